@@ -27,10 +27,11 @@ from seaglint.plot.detection_report import draw_characteristic, draw_chips, draw
 from seaglint.scenario.load import parse_scenario
 from seaglint.store.detection_results import DetectionRange, Parts
 from seaglint.studies.detect.designer import Design, design, rate_threshold
-from seaglint.studies.detect.injected import Strength, point_shape
+from seaglint.studies.detect.detection_requests import RangeRequest, SceneRequest
+from seaglint.studies.detect.injected import point_shape
 from seaglint.studies.detect.performance import DetectionOptions, detect
-from seaglint.studies.detect.range_search import RangeOptions, detection_range
-from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of, run_scene
+from seaglint.studies.detect.range_search import detection_range
+from seaglint.studies.detect.rendered_seas import lead_of, run_scene
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
@@ -87,7 +88,7 @@ def azimuths(parts: Parts) -> None:
         injections = 600 if name == "track-before-detect" else 4000  # it is slow
         template = InjectedObjects(shape, (contrast,), injections, velocity=(0.0, 0.5), match_radius=1.0, seed=3)
         options = DetectionOptions(template, detector=name, threshold=3.0, frame_rate=25.0)
-        length = lead_of(options, shape) + 1
+        length = lead_of(options.detector, options.time_limit, shape) + 1
         source = SceneFrames(seas, parts.frames(frames_key(scenario, length)), length)
         source.grow(SEAS)
         found = detect(source, options)
@@ -160,17 +161,15 @@ def contrasts(parts: Parts) -> None:
 
 def pictures(parts: Parts) -> None:
     """Characteristic, misses and false alarms of one detector in the corridor behind a sensor, and where false alarms are."""
-    template = InjectedObjects(GaussianSpot(0.7), (1.0,), 1000, seed=5)
-    wanted = SceneOptions(
-        DetectionOptions(template, detector="ca-cfar", threshold=3.0), strength=Strength((10.0, 15.0, 20.0, 30.0, 40.0)), seas=3 * SEAS
-    )
+    shared: dict[str, Any] = {"threshold": 3.0, "injections": 1000, "seed": 5}
+    wanted = SceneRequest("scenario", detector="ca-cfar", contrast=(10.0, 15.0, 20.0, 30.0, 40.0), frames=3 * SEAS, **shared)
     case = run_scene(scene(SUN + 5.0, (96, 64), PIXEL_DEG, elevation=-2.5, sensor=True), wanted, parts)
     chips = draw_chips(case.chips, case.result["threshold_sigma"])
     assert chips is not None
     chips.savefig(IMAGES / "detection_chips.png", dpi=110)
     draw_characteristic(case.roc, case.rows, "W m⁻² sr⁻¹").savefig(IMAGES / "detection_roc.png", dpi=110)
     wide = scene(SUN + 8.0, (160, 48), 0.15, elevation=-5.0)
-    wanted = SceneOptions(DetectionOptions(template, detector="top-hat", threshold=3.0), seas=SEAS)
+    wanted = SceneRequest("scenario", detector="top-hat", frames=SEAS, **shared)
     draw_map(run_scene(wide, wanted, parts).map).savefig(IMAGES / "detection_map.png", dpi=110)
 
 
@@ -179,11 +178,20 @@ def range_of(wind: float, bearing: float, parts: Parts) -> DetectionRange:
     field = {"height_m": 30.0, "fov_deg": [96 * PIXEL_DEG, 32 * PIXEL_DEG], "pixels": [96, 32]}
     weather = {"sun": BASE["sun"], "wind": {"speed_m_s": wind, "from_deg": SUN}}
     scenario = parse_scenario({"seed": 11, **weather, "sensor": field, "objects": [BUOY]})
-    wanted = SceneOptions(
-        DetectionOptions(InjectedObjects(GaussianSpot(0.7), (1.0,), 150, seed=5), detector="top-hat", threshold=3.5), seas=12
+    request = RangeRequest(
+        source="scenario",
+        object="buoy",
+        detector="top-hat",
+        threshold=3.5,
+        injections=150,
+        seed=5,
+        frames=12,
+        range_limits=(1000.0, 30_000.0),
+        p_d=0.5,
+        p_fa=1e-3,
+        precision=0.3,
     )
-    asked = RangeOptions("buoy", (1000.0, 30_000.0), Design(p_d=0.5, p_fa=1e-3), precision=0.3)
-    found = detection_range(scenario, wanted, asked, parts, bearing_deg=bearing)
+    found = detection_range(scenario, request, parts, bearing_deg=bearing)
     points = [f"{p.range_m:.0f} m {p.p_d:.2f} ({p.visible_share:.2f} seen)" for p in found.points]
     print(f"{wind:g} m/s, {bearing:g} deg: {found.range_m} {found.note or ''}; {', '.join(points)}", flush=True)
     return replace(found, parameters={"wind": f"{wind:g} m/s"})

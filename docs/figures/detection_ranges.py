@@ -21,15 +21,11 @@ from scipy.special import j1
 from scipy.stats import norm
 
 from seaglint.base.errors import SeaglintError
-from seaglint.detection.named_detectors import NAMES
-from seaglint.detection.spot import GaussianSpot
-from seaglint.detection.trials import InjectedObjects
+from seaglint.detection.detector_names import NAMES
 from seaglint.scenario.load import parse_scenario
 from seaglint.store.detection_results import DetectionRange, Parts
-from seaglint.studies.detect.designer import Design
-from seaglint.studies.detect.performance import DetectionOptions
-from seaglint.studies.detect.range_search import RangeOptions, detection_range, with_detector
-from seaglint.studies.detect.rendered_seas import SceneOptions
+from seaglint.studies.detect.detection_requests import RangeRequest
+from seaglint.studies.detect.range_search import detection_range
 
 H, C, K = 6.62607015e-34, 299792458.0, 1.380649e-23
 PIXELS = (160, 96)
@@ -170,18 +166,23 @@ CASES = (
 )
 
 
-def wanted_of(detector: str) -> SceneOptions:
-    """How each range is judged."""
-    objects = InjectedObjects(GaussianSpot(0.8), (1.0,), 400, seed=2)
-    return with_detector(SceneOptions(DetectionOptions(objects, DEFAULT, threshold=3.0), seas=SEAS), detector)
-
-
 def range_of(number: int, detector: str, parts: Parts) -> DetectionRange | None:
     """Range of one detector in one case; nothing where it cannot judge."""
-    case = CASES[number]
-    asked = RangeOptions("sphere", LIMITS, Design(p_fa=case.p_fa), precision=0.04 if detector == DEFAULT else 0.1)
+    case, precision = CASES[number], 0.04 if detector == DEFAULT else 0.1
+    request = RangeRequest(
+        source="scenario",
+        object="sphere",
+        detector=detector,
+        threshold=3.0,
+        injections=400,
+        seed=2,
+        frames=SEAS,
+        range_limits=LIMITS,
+        p_fa=case.p_fa,
+        precision=precision,
+    )
     try:
-        found = detection_range(case.scenario(), wanted_of(detector), asked, parts)
+        found = detection_range(case.scenario(), request, parts)
     except SeaglintError as error:
         print(f"{case.name}, {detector}: {error}", file=sys.stderr, flush=True)
         return None

@@ -14,15 +14,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import SeaglintError
-from seaglint.detection.named_detectors import NAMES
-from seaglint.detection.spot import GaussianSpot
-from seaglint.detection.trials import InjectedObjects
+from seaglint.detection.detector_names import NAMES, TRIED
 from seaglint.scenario.load import parse_scenario
 from seaglint.store.detection_results import Parts, TriedDetector
-from seaglint.studies.detect.designer import SMALLEST, TRIED, Design, best_of
-from seaglint.studies.detect.performance import DetectionOptions
-from seaglint.studies.detect.range_search import ALIKE, RangeOptions, first_estimate, tried_at
-from seaglint.studies.detect.rendered_seas import SceneOptions
+from seaglint.studies.detect.designer import SMALLEST, best_of
+from seaglint.studies.detect.detection_requests import RangeRequest
+from seaglint.studies.detect.range_search import ALIKE, first_estimate, tried_at
 
 LEFT_OUT: Final = ("track-before-detect", "integration", "frame-difference", "temporal-profile", "patch-image")
 """Detectors of several frames, whose seas cost eight times as much and more, and one of seconds a frame."""
@@ -63,13 +60,14 @@ def scenario(camera: str, light: str, behind: str) -> Any:
 def margins(cell: tuple[str, str, str], parts: Parts) -> list[TriedDetector]:
     """Margins of all detectors on the same frames, near the range of the best."""
     scene = scenario(*cell)
-    options = DetectionOptions(InjectedObjects(GaussianSpot(0.8), (1.0,), 40, seed=2), "matched", threshold=3.0)
-    wanted, asked = SceneOptions(options, seas=SEAS), RangeOptions("boat", LIMITS, Design(p_fa=P_FA), detectors=SINGLE)
-    at = first_estimate(scene, asked, None)
+    request = RangeRequest(
+        source="scenario", object="boat", threshold=3.0, injections=40, seed=2, frames=SEAS, range_limits=LIMITS, p_fa=P_FA
+    )
+    at = first_estimate(scene, request, None)
     tried: list[TriedDetector] = []
     for _ in range(3):
         try:
-            tried = tried_at(scene, wanted, asked, at, None, parts)
+            tried = tried_at(scene, request, at, None, parts, SINGLE)
             margin = best_of(tried).contrast_margin or SMALLEST
         except SeaglintError as error:
             print(f"{cell} at {at:.0f} m: {error}", file=sys.stderr, flush=True)

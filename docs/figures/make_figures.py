@@ -106,8 +106,8 @@ def clutter(name: str, folder: Path) -> Path:
 
 def likelihood_regions(folder: Path) -> Path:
     """Glint in three regions of the sea; prints the numbers."""
+    from likelihood_regions import regions
     from seaglint.plot.environment_charts import write_regions
-    from seaglint.studies.likelihood.chance_map import regions
 
     found, output = regions(), folder / "likelihood_regions.png"
     write_regions(found, output)

@@ -88,7 +88,7 @@ def test_velocity_is_to_the_right_and_down_on_the_command_line() -> None:
     from seaglint.cli.terminal.record_options import READERS
 
     assert READERS["pair"]("0.5,2", "--velocity") == (0.5, 2.0)
-    assert RecordingRequest("clip.npy", velocity=(0.5, 2.0)).injected((1.0,)).velocity == (2.0, 0.5)
+    assert RecordingRequest("clip.npy", velocity=(0.5, 2.0)).detection((1.0,)).objects.velocity == (2.0, 0.5)
 
 
 def test_a_file_that_is_called_like_a_command_is_reached_by_its_folder(seaglint, tmp_path: Path, monkeypatch) -> None:

@@ -14,9 +14,10 @@ from scipy.stats import t as student
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.filters import TopHat, autocovariance
+from seaglint.detection.detector_names import NAMES
 from seaglint.detection.interface import Detector, Frames
 from seaglint.detection.matched import LocalMatched, Matched, whitened
-from seaglint.detection.named_detectors import NAMES, named, named_for
+from seaglint.detection.named_detectors import named, named_for
 from seaglint.detection.patch_image import robust_components
 from seaglint.detection.spatial import Chain, DirectionalBackground, FilterThreshold, laplacian_of_gaussian
 from seaglint.detection.spot import GaussianSpot

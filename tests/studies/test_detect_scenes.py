@@ -36,12 +36,12 @@ from seaglint.store.detection_results import DetectionCase, Parts, RangePoint
 from seaglint.studies.detect import range_search
 from seaglint.studies.detect import range_search as detect_range
 from seaglint.studies.detect import rendered_seas as detect_scene
-from seaglint.studies.detect.designer import Design, told_threshold
-from seaglint.studies.detect.injected import Seen, Strength, fine_response, point_shape, seen_object, spot_of
+from seaglint.studies.detect.designer import threshold_or_count
+from seaglint.studies.detect.detection_requests import DesignRequest, RangeRequest, SceneRequest
+from seaglint.studies.detect.injected import ObjectSignal, Strength, fine_response, object_signal, point_shape, spot_of
 from seaglint.studies.detect.near_object import NearRows, background_of
-from seaglint.studies.detect.performance import DetectionOptions
-from seaglint.studies.detect.range_search import RangeOptions, detection_range, placed_at
-from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene
+from seaglint.studies.detect.range_search import detection_range, placed_at
+from seaglint.studies.detect.rendered_seas import Clock, run_scene
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, sea_seed
 from seaglint.studies.detect.study import run_study
 from seaglint.studies.detect.varied_cases import cases_of, parse_vary
@@ -107,10 +107,17 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "scene.toml"
 
 
-def scene_options(**changes: Any) -> SceneOptions:
-    template = InjectedObjects(GaussianSpot(0.8), (1.0,), 400, "centre", 0.0, seed=2)
-    options = DetectionOptions(template, threshold=3.0)
-    return replace(SceneOptions(options, seas=12, shape=GaussianSpot(0.8)), **changes)
+JUDGED: dict[str, Any] = {"threshold": 3.0, "injections": 400, "placement": "centre", "match_radius": 0.0, "seed": 2}
+
+
+def scene_request(**changes: Any) -> SceneRequest:
+    kind = DesignRequest if "p_fa" in changes else SceneRequest
+    return kind("scenario", object_sigma_px=0.8, **{"frames": 12, **JUDGED, **changes})
+
+
+def range_request(**changes: Any) -> RangeRequest:
+    shared = {"frames": 8, "detector": "threshold", "object": "boat", "range_limits": (500.0, 20_000.0), "p_fa": 1e-2}
+    return RangeRequest("scenario", **{**shared, **JUDGED, **changes})
 
 
 def parts_at(tmp_path: Path, **how: bool) -> Parts:
@@ -187,7 +194,7 @@ def test_contrast_needed_in_white_noise_is_the_q_functions() -> None:
 
 def test_a_scene_of_white_noise_gives_the_q_functions(tmp_path: Path) -> None:
     scenario = parse_scenario({"wind": {"speed_m_s": 5.0}, "sensor": {"pixels": [48, 40]}})
-    case = run_scene(scenario, scene_options(strength=Strength((8.0,)), design=Design(p_fa=1e-3)), parts_at(tmp_path))
+    case = run_scene(scenario, scene_request(contrast=(8.0,), p_fa=1e-3), parts_at(tmp_path))
     result = case.result
     assert result["p_d_interval"][0] < norm.sf(3.0 - 8.0 / SIGMA) < result["p_d_interval"][1]
     assert result["p_fa"] == pytest.approx(norm.sf(3.0), rel=0.6)
@@ -209,7 +216,7 @@ def test_a_scene_of_white_noise_gives_the_q_functions(tmp_path: Path) -> None:
 
 def test_it_stops_at_the_stated_precision_or_the_time(tmp_path: Path) -> None:
     scenario = parse_scenario({"wind": {"speed_m_s": 5.0}, "sensor": {"pixels": [48, 40]}})
-    many = scene_options(strength=Strength((6.0,)), seas=64, precision=0.2)
+    many = scene_request(contrast=(6.0,), frames=64, precision=0.2)
     case = run_scene(scenario, many, parts_at(tmp_path))
     assert (case.stopped, case.result["seas"]) == ("precision", 8)
     assert "stated precision is reached" in case.result["notes"][-1]
@@ -222,7 +229,7 @@ def test_it_stops_at_the_stated_precision_or_the_time(tmp_path: Path) -> None:
 
 def test_dark_objects_are_found_as_bright_ones_are(tmp_path: Path) -> None:
     scenario = parse_scenario({"wind": {"speed_m_s": 5.0}, "sensor": {"pixels": [48, 40]}})
-    found = run_scene(scenario, scene_options(strength=Strength((-10.0,))), parts_at(tmp_path)).result
+    found = run_scene(scenario, scene_request(contrast=(-10.0,)), parts_at(tmp_path)).result
     assert found["p_d"] == pytest.approx(norm.sf(3.0 - 5.0), abs=0.05)
     assert found["sweep"][0]["contrast_pixel"] == -10.0
 
@@ -248,8 +255,8 @@ def test_a_study_goes_on_where_it_was_and_loses_nothing(path: Path, tmp_path: Pa
     drawn: list[int] = []
     whole = WhiteSeas.sea
     monkeypatch.setattr(WhiteSeas, "sea", lambda self, number, length: drawn.append(number) or whole(self, number, length))
-    wanted = scene_options(strength=Strength((6.0,)), seas=6)
-    study = run_study(cases, wanted, parts_at(tmp_path))
+    request = scene_request(contrast=(6.0,), frames=6)
+    study = run_study(cases, request, parts_at(tmp_path))
     assert [case.error is not None for case in study.cases] == [False, True, False, True]
     assert "nowhere" in study.errors[0]
     assert study.unfinished
@@ -257,10 +264,10 @@ def test_a_study_goes_on_where_it_was_and_loses_nothing(path: Path, tmp_path: Pa
     assert [row["wind.speed_m_s"] for row in first] == [4, 4, 8, 8]
     assert first[0]["sensor.height_m"] == 30.0
     assert first[0]["p_d"] > first[2]["p_d"]
-    again = run_study(cases, wanted, parts_at(tmp_path, resume=True, overwrite=False))
+    again = run_study(cases, request, parts_at(tmp_path, resume=True, overwrite=False))
     assert again.rows() == first
     assert len(drawn) == before  # finished cases draw nothing anew
-    late = run_study(cases[:3], wanted, parts_at(tmp_path), budget=0.0)
+    late = run_study(cases[:3], replace(request, time_budget=0.0), parts_at(tmp_path))
     assert late.stopped is not None
     assert (len(late.cases), late.cases[0].stopped) == (1, "time budget")
     with pytest.raises(DataError, match="resume=True"):
@@ -281,10 +288,11 @@ def test_range_is_found_by_bisection(path: Path, tmp_path: Path, monkeypatch) ->
     scenario = cases_of(path)[0].scenario
     # a point whose contrast falls with the square of its range: P_d 0.9 at the contrast of the q functions
     monkeypatch.setattr(
-        detect_range, "seen_object", lambda scene, name: Seen(GaussianSpot(0.8), 2e7 / math.hypot(*_place(scene)) ** 2, 20.0, 24.0)
+        detect_range,
+        "object_signal",
+        lambda scene, name: ObjectSignal(GaussianSpot(0.8), 2e7 / math.hypot(*_place(scene)) ** 2, 20.0, 24.0),
     )
-    asked = RangeOptions("boat", (500.0, 20_000.0), Design(p_fa=1e-2))
-    found = detection_range(scenario, scene_options(seas=8), asked, parts_at(tmp_path), bearing_deg=90.0)
+    found = detection_range(scenario, range_request(), parts_at(tmp_path), bearing_deg=90.0)
     sigma = SIGMA / 5.0 * 7.0
     exact = math.sqrt(2e7 / (sigma * (norm.isf(1e-2) + norm.isf(0.1))))
     assert found.range_m == pytest.approx(exact, rel=0.06)
@@ -348,20 +356,18 @@ def test_ranges_are_those_of_the_closed_form_under_a_warm_sky(
     def contrast(at: float) -> float:
         return amplitude * math.exp(-at / extinction_m) / at**2
 
-    def seen(scene: Any, name: str) -> Seen:
-        return Seen(spot, contrast(math.hypot(*_place(scene))), scene.sensor.pixels[1] / 2, columns / 2)
+    def seen(scene: Any, name: str) -> ObjectSignal:
+        return ObjectSignal(spot, contrast(math.hypot(*_place(scene))), scene.sensor.pixels[1] / 2, columns / 2)
 
-    monkeypatch.setattr(detect_range, "seen_object", seen)
+    monkeypatch.setattr(detect_range, "object_signal", seen)
     sensor = {"pixels": [columns, 96], "fov_deg": [0.025 * columns, 2.4], "elevation_deg": -3.0}
     boat = {"name": "boat", "preset": "small-boat", "north_m": 2000.0}
     scenario = parse_scenario({"seed": 5, "wind": {"speed_m_s": 5.0}, "sensor": sensor, "objects": [boat]})
     weights, signature = Matched(spot.stamps(np.zeros((1, 2)))[0]).weights, spot.stamps(np.zeros((1, 2)))[0]
     gain = float((weights * signature).sum() / np.sqrt((weights**2).sum()))
     exact = brentq(lambda r: abs(contrast(r)) * gain / SIGMA - norm.isf(p_fa) - norm.isf(0.1), 100.0, 1e5)
-    template = InjectedObjects(spot, (1.0,), 400, "centre", 0.0, seed=2)
-    wanted = SceneOptions(DetectionOptions(template, "matched", threshold=3.0), seas=24, shape=spot)
-    asked = RangeOptions("boat", (300.0, 40_000.0), Design(p_fa=p_fa))
-    found = detection_range(scenario, wanted, asked, parts_at(tmp_path))
+    request = range_request(detector="matched", frames=24, range_limits=(300.0, 40_000.0), p_fa=p_fa)
+    found = detection_range(scenario, request, parts_at(tmp_path))
     print(f"closed form {exact:.0f} m, first estimate {found.first_estimate_m:.0f} m, found {found.range_m:.0f} m")
     assert found.range_m == pytest.approx(exact, rel=0.10)
     assert found.first_estimate_m == pytest.approx(exact, rel=0.15)
@@ -409,12 +415,12 @@ def test_a_rate_of_few_pixels_is_told_and_not_believed() -> None:
     threshold = background.threshold(3.0, "sigma")
     count = count_false_alarms(background, threshold)
     tail = rare_tail(count.alarms.curve(), count.alarms.events(3.0))
-    found = told_threshold(count, tail, 0.011)
+    found = threshold_or_count(count, tail, 0.011)
     assert 20 <= found.p_fa * 2048 <= 22
     assert found.low < found.p_fa < found.high
     assert (found.how, found.believed) == ("counted", False)
     with pytest.raises(DataError, match="has no threshold"):
-        told_threshold(count, tail, 1e-6)
+        threshold_or_count(count, tail, 1e-6)
 
 
 def test_objects_of_some_rows_stay_there() -> None:
@@ -490,8 +496,8 @@ def test_both_spellings_of_a_command_print_the_same(
 
     from seaglint.cli.app import main
 
-    seen = Seen(GaussianSpot(0.8), 5.0, 20.0, 24.0)
-    monkeypatch.setattr(detect_range, "seen_object", lambda scene, name: replace(seen, contrast=2e7 / math.hypot(*_place(scene)) ** 2))
+    seen = ObjectSignal(GaussianSpot(0.8), 5.0, 20.0, 24.0)
+    monkeypatch.setattr(detect_range, "object_signal", lambda scene, name: replace(seen, contrast=2e7 / math.hypot(*_place(scene)) ** 2))
     printed = []
     for words in (("detect", command, *(word for word in bare if word != f"--{command}")), ("detect", *bare)):
         common = ("--threshold", "3", "--frames", "6", "--injections", "100", "--progress", "none", *form)
@@ -544,7 +550,7 @@ def test_a_drawn_point_is_seen_as_its_shape_says() -> None:
     scenario = parse_scenario(
         {"sensor": {"pixels": [48, 40], "elevation_deg": -0.3, "azimuth_deg": 0.0, "height_m": 30.0, **tables}, "objects": [point]}
     )
-    seen = seen_object(scenario, "point")
+    seen = object_signal(scenario, "point")
     seas = IndependentSeas.of(scenario)
     _, share = point_shape(seas.model)
     watts = Strength((500.0,), "W/sr", 4000.0, 20.0).at_aperture(seas, 1.0)[0]
@@ -552,7 +558,7 @@ def test_a_drawn_point_is_seen_as_its_shape_says() -> None:
     assert seen.contrast == pytest.approx(share * watts, rel=0.08)
 
 
-class HalfHidden(Seen):
+class HalfHidden(ObjectSignal):
     """An object that every second sea hides, and every fourth leaves half of."""
 
     def visible_shares(self, count: int, seas: Any) -> np.ndarray:
@@ -562,9 +568,8 @@ class HalfHidden(Seen):
 def test_waves_before_an_object_count_in_its_detection(path: Path, tmp_path: Path, monkeypatch) -> None:
     scenario = cases_of(path)[0].scenario
     contrast = 12.0 * SIGMA / 5.0 * 7.0
-    monkeypatch.setattr(detect_range, "seen_object", lambda scene, name: HalfHidden(GaussianSpot(0.8), contrast, 20.0, 24.0))
-    asked = RangeOptions("boat", (500.0, 20_000.0), Design(p_fa=1e-2))
-    found = detect_range.p_d_at(scenario, scene_options(seas=8), asked, 1000.0, None, parts_at(tmp_path))
+    monkeypatch.setattr(detect_range, "object_signal", lambda scene, name: HalfHidden(GaussianSpot(0.8), contrast, 20.0, 24.0))
+    found = detect_range.p_d_at(scenario, range_request(), 1000.0, None, parts_at(tmp_path))
     # at twelve and six standard deviations all that is seen is found
     assert found.p_d == pytest.approx(0.5, abs=0.01)
     assert found.visible_share == pytest.approx(0.375)
@@ -573,7 +578,7 @@ def test_waves_before_an_object_count_in_its_detection(path: Path, tmp_path: Pat
     assert low == pytest.approx(0.15, abs=0.03)
     assert high == pytest.approx(0.85, abs=0.03)
     monkeypatch.setattr(HalfHidden, "visible_shares", lambda self, count, seas: np.zeros(count))
-    gone = detect_range.p_d_at(scenario, scene_options(seas=8), asked, 1200.0, None, parts_at(tmp_path))
+    gone = detect_range.p_d_at(scenario, range_request(), 1200.0, None, parts_at(tmp_path))
     assert gone.p_d == 0.0
     assert "hidden behind waves" in gone.note
     assert RangePoint.of(json.loads(json.dumps(found.as_dict()))) == found
@@ -587,7 +592,7 @@ def test_seas_hide_a_post_as_lines_of_sight_over_the_same_seas_say() -> None:
     post = {"name": "post", "shape": {"kind": "box", "size_m": [0.3, 0.3, 1]}, "temperature_k": 300, "height_m": 0.5, "north_m": far}
     sensor = {"pixels": [48, 40], "fov_deg": [1.4, 1.2], "elevation_deg": -0.2, "azimuth_deg": 0.0, "height_m": eye}
     scenario = parse_scenario({"seed": 3, "sensor": sensor, "wind": {"speed_m_s": 10.0}, "objects": [post]})
-    shares = seen_object(scenario, "post").visible_shares(seas, IndependentSeas.of(scenario))
+    shares = object_signal(scenario, "post").visible_shares(seas, IndependentSeas.of(scenario))
     sequence = prepare_sequence(scenario)
     arcs = np.arange(1800.0, far + 0.1, 0.4)
     drop = eye + arcs**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)

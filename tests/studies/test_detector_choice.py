@@ -13,19 +13,19 @@ from scipy.stats import norm
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.random import stream
+from seaglint.detection.detector_names import TRIED
 from seaglint.detection.named_detectors import named_for
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import InjectedObjects
 from seaglint.scenario.load import parse_scenario
 from seaglint.store.detection_results import Parts, RangePoint
 from seaglint.studies.detect import range_search
-from seaglint.studies.detect.designer import LARGEST, SMALLEST, TRIED, Design, contrast_margin
+from seaglint.studies.detect.designer import LARGEST, SMALLEST, Design, contrast_margin
 from seaglint.studies.detect.detection_requests import RangeRequest
-from seaglint.studies.detect.injected import Seen
+from seaglint.studies.detect.injected import ObjectSignal
 from seaglint.studies.detect.near_object import rows_to_horizon
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import detection_range, doubts, horizon_note, p_d_at
-from seaglint.studies.detect.rendered_seas import SceneOptions
 from seaglint.studies.detect.scene_frames import SceneFrames, sea_seed
 
 SPOT, SIGMA, P_FA = GaussianSpot(0.8), 2.0, 1e-2
@@ -68,22 +68,20 @@ class White(Swell):
 def seas(request, monkeypatch) -> None:
     for module in (range_search, range_search):
         monkeypatch.setattr(module, "IndependentSeas", request.param)
-    monkeypatch.setattr(range_search, "seen_object", _seen)
+    monkeypatch.setattr(range_search, "object_signal", _seen)
 
 
-def _seen(scene: Any, name: str) -> Seen:
+def _seen(scene: Any, name: str) -> ObjectSignal:
     at = math.hypot(scene.objects[0].east_m, scene.objects[0].north_m)
-    return Seen(SPOT, 4e7 / at**2, ROWS / 2, COLUMNS / 2)
+    return ObjectSignal(SPOT, 4e7 / at**2, ROWS / 2, COLUMNS / 2)
 
 
-def _asked(detector: str | None) -> tuple[Any, SceneOptions, Any]:
+def _asked(detector: str | None) -> tuple[Any, RangeRequest]:
     sensor = {"pixels": [COLUMNS, ROWS], "fov_deg": [2.4, 1.6], "elevation_deg": -3.0}
     scenario = parse_scenario({"seed": 5, "sensor": sensor, "objects": [{"name": "boat", "preset": "small-boat", "north_m": 2000.0}]})
-    request = RangeRequest(source="", detector=detector, p_fa=P_FA, range_limits=(300.0, 40_000.0), precision=0.15)
-    asked = request.range_options(["boat"])
-    objects = InjectedObjects(SPOT, (1.0,), 150, "centre", 0.0, seed=2)
-    wanted = SceneOptions(DetectionOptions(objects, detector or "matched", threshold=3.0), seas=8)
-    return scenario, wanted, asked
+    judged: dict[str, Any] = {"threshold": 3.0, "injections": 150, "placement": "centre", "match_radius": 0.0, "seed": 2, "frames": 8}
+    request = RangeRequest(source="", detector=detector, p_fa=P_FA, range_limits=(300.0, 40_000.0), precision=0.15, **judged)
+    return scenario, request.of_objects(["boat"])
 
 
 def _found(folder: Path, detector: str | None) -> Any:

@@ -16,7 +16,7 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.studies.article.figures_5_and_12 import AZIMUTHS, CASES, PRINTED, THRESHOLDS, figure_5
 from seaglint.studies.likelihood.chance_map import likelihood_map
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
-from seaglint.studies.likelihood.glint_chance import draw, likelihood, measured
+from seaglint.studies.likelihood.glint_chance import draw, draw_values, likelihood
 
 CALM_AND_FRESH = "wind_speed_m_s,cloud_cover,weight\n4,0.25,0.4\n9,0.5,0.6\n"
 
@@ -128,10 +128,10 @@ def test_sobol_points_beat_random_ones_five_times(region):
         for seed in range(6):
             drawn = draw(model, seed=seed)
             shape = (drawn.plan.scramblings, drawn.plan.points)
-            means = np.average(measured(model, drawn, threshold).reshape(shape), axis=1, weights=drawn.weight.reshape(shape))
+            means = np.average(draw_values(model, drawn, threshold).reshape(shape), axis=1, weights=drawn.weight.reshape(shape))
             between.append(np.var(means, ddof=1))
         plain = draw(model, seed=1, plain=True)
-        values = measured(model, plain, threshold)
+        values = draw_values(model, plain, threshold)
         alone = np.mean((plain.weight * (values - estimate(values, plain.plan, weight=plain.weight).value)) ** 2) / plain.plan.points
         assert alone / np.mean(between) > 5.0
 

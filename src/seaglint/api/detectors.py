@@ -1,8 +1,6 @@
-"""Results of studies of detection as records, and parts that functions of detectors share.
+"""Functions of detectors: on a recording, in rendered scenes of a scenario, and the range up to which an object is detected.
 
-Functions of detectors: on a recording, or on whatever a detector is to be judged.
-
-Functions of detectors in rendered scenes of a scenario, and how far an object of one is detected.
+Each has the parameters of its request in its own signature, so that an editor shows them, and makes the request from them.
 """
 
 from __future__ import annotations
@@ -119,7 +117,7 @@ def detect_recording(
 
     request = request_of(RecordingRequest, locals(), source="recording", contrast=numbers_of(contrast), missing=tuple(missing), vary=None)
     opened = recording_of(source, request)
-    pixel = None if pixel_mrad is None else _angle(pixel_mrad)
+    pixel = request.pixel_deg("pixel_mrad = ")
     with absent_numbers():
         study = run_recording(opened, options_of(request, opened, pixel), settings_of(vary), progress=progress)
     values = study.as_dict() if vary else study.good[0].done.result
@@ -189,22 +187,12 @@ def detect(
 
     given = dict(locals())
     if not isinstance(source, Scenario) and not (isinstance(source, str | Path) and Path(source).suffix.lower() == ".toml"):
+        # Parameters that the other function has, by its signature.
         names = set(detect_recording.__kwdefaults__ or {}) & set(given)
         return detect_recording(source, **{name: given[name] for name in names})
     function = detect_design if design or p_fa is not None else detect_scene
     names = set(function.__kwdefaults__ or {}) & set(given)
     return function(source, **{name: given[name] for name in names})
-
-
-def _angle(pixel_mrad: float) -> tuple[float, float]:
-    """Return the angle of a pixel [mrad] between rows and between columns [deg]."""
-    from math import degrees
-
-    from seaglint.base.errors import DataError
-
-    if not 0 < pixel_mrad < 1000:
-        raise DataError(f"pixel_mrad = {pixel_mrad:g}: give an angle above 0 and below 1000 mrad")
-    return (degrees(1e-3 * pixel_mrad),) * 2
 
 
 @documented(SceneRequest)
@@ -407,24 +395,24 @@ def detect_range(
     far = None if bearings is None else tuple(float(value) for value in bearings)
     request = request_of(RangeRequest, locals(), source="scenario", vary=None, cases=None, bearings=far)
     varied = _cases(source, vary, cases, sensor)
-    found = []
+    ranges = []
     with parts_folder(None) as (parts, _), absent_numbers():
         for number, case in enumerate(varied):
-            found += ranges_of([case], request, parts)
+            ranges += ranges_of([case], request, parts)
             if progress is not None:
                 progress(number + 1, len(varied))
 
     def draw() -> Figure:
         from seaglint.plot.detection_report import draw_ranges
 
-        return draw_ranges(found)
+        return draw_ranges(ranges)
 
-    values = {"ranges": [one.as_dict() for one in found]}
-    return ResultRecord(values, draw=draw, html=lambda: _range_table(found), title="ranges of detection")
+    values = {"ranges": [one.as_dict() for one in ranges]}
+    return ResultRecord(values, draw=draw, html=lambda: _range_table(ranges), title="ranges of detection")
 
 
 def _of_scene(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields of a request for scenes that Python accepts in other forms."""
+    """Return the fields of a request for scenes that have other forms in Python."""
     amounts = {name: numbers_of(given[name]) for name in ("contrast", "temperature_difference", "intensity")}
     return {**amounts, "source": "scenario", "vary": None, "cases": None}
 
@@ -450,19 +438,20 @@ def _study(
     from seaglint.store.detection_results import parts_folder
     from seaglint.studies.detect.study import run_study
 
-    cases, options = _cases(source, vary, table, request.sensor), request.scene_options()
+    cases = _cases(source, vary, table, request.sensor)
+    request.require_valid()
     named = str(source) if isinstance(source, str | Path) else "scenario"
     with parts_folder(None) as (parts, _), absent_numbers(), team_of(workers) as team:
-        study = run_study(cases, options, parts, budget=request.time_budget, progress=progress, workers=team)
+        study = run_study(cases, request, parts, progress=progress, workers=team)
     if not study.good:
         raise DataError("\n".join(study.errors))
     unit = str(study.good[0].done.result["contrast_unit"])
     return judged_record(study, {"source": named, **study.as_dict()}, unit)
 
 
-def _range_table(found: Sequence[Any]) -> str:
+def _range_table(ranges: Sequence[Any]) -> str:
     """Return the table of ranges that a notebook shows."""
     from seaglint.base.representation import card, table
 
-    rows = [(one.object, one.named, one.bearing_deg, one.p_d, one.range_m, one.range_interval_m, one.note) for one in found]
+    rows = [(one.object, one.named, one.bearing_deg, one.p_d, one.range_m, one.range_interval_m, one.note) for one in ranges]
     return card("Ranges of detection", table(("object", "case", "bearing [deg]", "P_d", "range [m]", "interval [m]", "note"), rows))

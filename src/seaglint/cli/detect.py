@@ -1,6 +1,6 @@
 """``seaglint detect``: probabilities of detection and false alarm of a detector, on a recording or in rendered scenes.
 
-Four commands, each with the options of its own request; ``seaglint detect SOURCE`` takes all options and chooses by the file's ending.
+Four commands, each with the options of its request; ``seaglint detect SOURCE`` takes all options and chooses by the file's ending.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ class DetectGroup(TyperGroup):
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given)
+        # It is reached by a file as the first word, and not by a name.
         self.bare = self.commands.pop(BARE)
 
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
@@ -142,9 +143,10 @@ def detect_source(
             return
         from seaglint.cli.detect_runs import detect_scene
 
-        asked = as_design or any(value is not None for value in (far.p_fa, far.alarms_per_hour, far.p_d))
+        designed = as_design or any(value is not None for value in (far.p_fa, far.alarms_per_hour, far.p_d))
+        # Without figures for a designer the request is one for scenes, with the same fields.
         own = {field.name: getattr(rendered, field.name) for field in fields(SceneRequest)}
-        detect_scene(rendered if asked else SceneRequest(**own), results, run)
+        detect_scene(rendered if designed else SceneRequest(**own), results, run)
         return
     flags = (("--resume", run.resume), ("--design", as_design), ("--range", find_range))
     wrong = [*given(rendered, far, besides=(recorded,)), *(option for option, on in flags if on)]

@@ -1,7 +1,4 @@
-"""The command ``seaglint ensemble``.
-
-The command ``seaglint dataset``: labelled pictures of an ensemble, for training and testing detectors.
-"""
+"""The commands ``seaglint ensemble``, and ``seaglint dataset`` for labelled pictures of an ensemble, to train and test detectors."""
 
 from __future__ import annotations
 
@@ -38,14 +35,15 @@ def ensemble(
 
     show_logs(quiet=run.show is ProgressMode.NONE)
     loaded = load_ensemble(source)
+    # The folder is checked before the cost is measured, which takes seconds.
     if not (request.resume or request.draw_only):
         Folder(output).check(resume=False, overwrite=request.overwrite)
         tell_cost(loaded, run)
-    with run.chosen() as hands, progress(run.show, "scenes") as report:
+    with run.chosen() as team, progress(run.show, "scenes") as report:
         render_ensemble(
             loaded,
             output,
-            workers=hands,
+            workers=team,
             threads=request.threads,
             resume=request.resume,
             overwrite=request.overwrite,
@@ -59,7 +57,7 @@ def ensemble(
 
 
 def tell_cost(loaded: Ensemble, run: RunOptions) -> None:
-    """Say what many scenes will cost before they start; of few, and of a cluster's, nothing."""
+    """Print the expected cost of many scenes before they start; nothing for few scenes, or for a cluster."""
     from seaglint.base.representation import duration, size_text
     from seaglint.studies.ensemble.render_ensemble import MANY, expected_cost, scenes
 
@@ -75,11 +73,11 @@ def tell_cost(loaded: Ensemble, run: RunOptions) -> None:
     )
 
 
-MOST_LISTED = 20  #: Lines of what is wrong with a data set, of which more are only counted.
+MOST_LISTED = 20  #: Largest number of faults of a data set that are printed; more are counted.
 
 
 def _formats() -> str:
-    """Return the names of the formats with their remarks: ``coco, yolo, sirst, or zarr: the scenes' stores as they are``."""
+    """Return the names of the formats with their remarks: ``coco, yolo, sirst, or zarr: ...``."""
     from seaglint.formats.dataset import FORMATS
 
     return listed(tuple(f"{form.name}: {form.note}" if form.note else form.name for form in FORMATS))
@@ -130,12 +128,12 @@ def dataset(
     loaded = read_source(source)
     if loaded.folder is None and not request.resume:
         tell_cost(loaded.ensemble, run)
-    with run.chosen() as hands, progress(run.show, "scenes") as report:
+    with run.chosen() as team, progress(run.show, "scenes") as report:
         ensemble_dataset(
             loaded,
             output,
             options,
-            workers=hands,
+            workers=team,
             threads=request.threads,
             resume=request.resume,
             overwrite=request.overwrite,
@@ -147,7 +145,7 @@ def dataset(
 
 
 def _check(folder: Path) -> None:
-    """Say what is wrong with a data set, and leave with 2 where something is."""
+    """Print the faults of a data set, and leave with 2 if it has any."""
     from seaglint.formats.dataset.dataset_writing import problems
 
     faults = list(problems(folder))

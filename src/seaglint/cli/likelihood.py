@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json, tell
-from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records
 from seaglint.studies.study_requests import LikelihoodRequest
 
@@ -43,11 +42,11 @@ def likelihood(
     inputs = files_read(scenario, loaded)
     if request.by_month:
         with run.chosen() as team:
-            _mapped(scenario, loaded, output, request.step, run.overwrite, run.show, inputs, team)
+            _mapped(loaded, output, request.step, run, inputs, team)
         return
     run.done_here("all but maps is computed")
     if request.track is not None:
-        _along(scenario, loaded, request.track, output, as_json, run.overwrite, [*inputs, request.track])
+        _along(loaded, request.track, output, as_json, run, [*inputs, request.track])
         return
     files = _files(output, run.overwrite, inputs)
     from seaglint.studies.likelihood.glint_chance import likelihood as compute
@@ -65,7 +64,7 @@ def likelihood(
 
 
 def lines(summary: LikelihoodSummary) -> list[str]:
-    """A result for people."""
+    """Return a result as lines of text."""
     out = [f"{summary.case}, {summary.quantity}; {summary.samples} draws, clouds by '{summary.clouds}'"]
     out += [f"  {'threshold [W m-2 sr-1]':>24}  {'probability':>12}  95 % interval"]
     for row in summary.results:
@@ -79,7 +78,7 @@ def lines(summary: LikelihoodSummary) -> list[str]:
 
 
 def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Path]:
-    """Files to write, refused before the work where they exist."""
+    """Return the files to write, refused before the work where they exist."""
     from seaglint.base.errors import DataError
     from seaglint.store.outputs import made_folder, refuse_existing
 
@@ -114,17 +113,8 @@ def _write(summary: LikelihoodSummary, month_by_hour: FloatArray | None, files: 
         log(f"{path} written")
 
 
-def _mapped(
-    path: Path,
-    loaded: Scenario,
-    output: Path | None,
-    step: float,
-    overwrite: bool,
-    show: ProgressMode,
-    inputs: list[Path],
-    workers: Workers | None,
-) -> None:
-    """The map by month: NetCDF and a picture."""
+def _mapped(loaded: Scenario, output: Path | None, step: float, run: RunOptions, inputs: list[Path], workers: Workers | None) -> None:
+    """Write the map by month: NetCDF and a picture."""
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.progress import progress
     from seaglint.plot.environment_charts import write_map
@@ -138,17 +128,17 @@ def _mapped(
         output = made_folder(output, "choose another folder with -o") / "likelihood_map.nc"
     picture = output.with_suffix(".png")
     for file in (output, picture):
-        refuse_existing(file, overwrite=overwrite, inputs=inputs)
-    with naming_file(path, loaded), progress(show, "months") as report:
+        refuse_existing(file, overwrite=run.overwrite, inputs=inputs)
+    with naming_file(inputs[0], loaded), progress(run.show, "months") as report:
         dataset = likelihood_map(loaded, step=step, progress=report, workers=workers)
-    write_netcdf(dataset, output, overwrite=overwrite)
+    write_netcdf(dataset, output, overwrite=run.overwrite)
     log(f"{output} written")
     write_map(dataset, picture)
     log(f"{picture} written")
 
 
-def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_json: bool, overwrite: bool, inputs: list[Path]) -> None:
-    """Chances along a ship's way."""
+def _along(loaded: Scenario, track: Path, output: Path | None, as_json: bool, run: RunOptions, inputs: list[Path]) -> None:
+    """Write and print chances along a ship's track."""
     from seaglint.base.errors import DataError
     from seaglint.formats.tables.result_tables import write_table
     from seaglint.store.outputs import refuse_existing, write_json
@@ -157,8 +147,8 @@ def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_js
     if output is not None and output.suffix not in (".csv", ".json"):
         raise DataError(f"{output}: --track writes one file; give a name that ends in .csv (the way) or .json (all)")
     if output is not None:
-        refuse_existing(output, overwrite=overwrite, inputs=inputs)
-    with naming_file(path, loaded):
+        refuse_existing(output, overwrite=run.overwrite, inputs=inputs)
+    with naming_file(inputs[0], loaded):
         chances = along_track(loaded, track)
     if output is not None:
         if output.suffix == ".json":

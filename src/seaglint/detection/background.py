@@ -28,6 +28,7 @@ _BLOCK_BYTES = 8e6
 
 def blocks_of(source: FrameSource, first: int = 0, end: int | None = None) -> Iterator[Frames]:
     """Iterate over frames ``first`` to ``end`` (not included; by default all), in order, in blocks of some megabytes."""
+    # 4 bytes a value: frames are single precision.
     step = max(int(_BLOCK_BYTES / (4.0 * source.rows * source.columns)), 1)
     last = source.frames if end is None else end
     for start in range(first, last, step):
@@ -44,7 +45,7 @@ class Windows:
 
     @classmethod
     def of(cls, source: FrameSource, lead: int) -> Windows:
-        """Windows of a source."""
+        """Return the windows of a source."""
         return cls(source.frames, max(source.sequence_length or source.frames, 1), lead)
 
     @property
@@ -63,11 +64,11 @@ class Windows:
         return self.sequences * self.each
 
     def start(self, window: int) -> int:
-        """First frame of a window."""
+        """Return the first frame of a window."""
         return window // self.each * self.length + window % self.each
 
     def of_event(self, number: int) -> int:
-        """Window of a frame of :class:`seaglint.clutter.false_alarms.FalseAlarms`, which has an empty one between sequences."""
+        """Return the window of a frame of :class:`seaglint.clutter.false_alarms.FalseAlarms`, which has an empty one between sequences."""
         return number // (self.each + 1) * self.each + number % (self.each + 1) if self.sequences > 1 else number
 
 
@@ -79,7 +80,7 @@ class Threshold:
     law: Law
     given: float  #: The number, in the law's unit.
     sigma: float  #: Threshold in standard deviations above the mean [1].
-    estimated: bool  #: Whether it stands on the measured mean and standard deviation.
+    estimated: bool  #: Whether it depends on the measured mean and standard deviation.
 
 
 class Background:
@@ -105,8 +106,8 @@ class Background:
         self.place = Windows.of(source, self.lead)
         self.windows = self.place.count
         if self.windows < 1:
-            have = min(self.place.length, source.frames)
-            raise DataError(f"detector {detector.name} needs {self.lead + 1} frames; the sequence has {have}")
+            available = min(self.place.length, source.frames)
+            raise DataError(f"detector {detector.name} needs {self.lead + 1} frames; the sequence has {available}")
         shape = (self.windows, source.rows, source.columns)
         self.statistic: NDArray[np.float32] = _room(shape)
         done = 0
@@ -126,10 +127,12 @@ class Background:
                 f"detector {detector.name} gives no statistic in any pixel of {self.windows} windows (all NaN); "
                 "frames are smaller than its border, all missing, or the detector is at fault"
             )
+        # Moments over all pixels from those of the frames: variance within the frames, and variance of their means.
         weight = number / number.sum()
-        mean, spread = (np.where(number > 0, v, 0.0) for v in (self.frame_mean, self.frame_sigma))
+        mean, deviation = (np.where(number > 0, v, 0.0) for v in (self.frame_mean, self.frame_sigma))
         self.mean = float(weight @ mean)
-        self.sigma = float(np.sqrt(weight @ (spread**2 + (mean - self.mean) ** 2)))
+        self.sigma = float(np.sqrt(weight @ (deviation**2 + (mean - self.mean) ** 2)))
+        # Rounding alone leaves a deviation of some 1e-16 of the mean.
         if not self.sigma > 1e-12 * abs(self.mean):
             raise DataError(
                 f"detector {detector.name}: the statistic is {self.mean:g} in every pixel; clutter without variation is not judged"
@@ -137,6 +140,7 @@ class Background:
 
     def _sequences(self, source: FrameSource) -> Iterator[Iterator[Frames]]:
         """Blocks of each sequence; single frames, which need none before them, form one."""
+        # Without a lead no block needs frames before it, so that the sequences need not be separated.
         if self.lead == 0:
             yield blocks_of(source, 0, self.windows)
             return
@@ -159,9 +163,9 @@ class Background:
         return width
 
     def threshold(self, given: float, law: Law) -> Threshold:
-        """Threshold in standard deviations above the mean.
+        """Return the threshold in standard deviations above the mean.
 
-        A calibrated statistic is in standard deviations as it is: its thresholds stand on no measured number. A designed rate takes the
+        A calibrated statistic is already in standard deviations, and its thresholds depend on no measured number. A designed rate takes the
         Gaussian tail, of the calibrated statistic or of the measured mean and standard deviation.
 
         Raises
@@ -189,17 +193,28 @@ class Background:
         return Threshold(law, given, sigma, law != "fixed" and not calibrated)
 
     def scale(self, window: int, law: Law) -> tuple[float, float]:
-        """Mean and standard deviation to which the statistic of a window is scaled."""
+        """Return the mean and the standard deviation to which the statistic of a window is scaled."""
         if law == "frame":
             return float(self.frame_mean[window]), float(self.frame_sigma[window])
         return (0.0, 1.0) if self.detector.calibrated else (self.mean, self.sigma)
 
     def z(self, window: int, law: Law) -> NDArray[np.float32]:
-        """Statistic of a window in standard deviations above the mean, shape (rows, columns) [1]."""
+        """Return the statistic of a window in standard deviations above the mean, shape (rows, columns) [1]."""
         mean, sigma = self.scale(window, law)
         if not sigma > 0:
             return np.full(self.statistic.shape[1:], np.nan, np.float32)
         return np.asarray((self.statistic[window] - np.float64(mean)) / sigma, np.float32)
+
+    def add_to(self, alarms: FalseAlarms, law: Law) -> Iterator[NDArray[np.float32]]:
+        """Add all windows to an accumulator of false alarms, and iterate over their statistics, see :meth:`z`."""
+        nothing = np.full(self.statistic.shape[1:], np.nan, np.float32)
+        for window in range(self.windows):
+            # An empty frame between sequences: exceedances of independent seas do not touch.
+            if window and self.place.sequences > 1 and window % self.place.each == 0:
+                alarms.add(nothing)
+            z = self.z(window, law)
+            alarms.add(z)
+            yield z
 
 
 @dataclass(frozen=True)
@@ -213,22 +228,18 @@ class FalseAlarmCount:
 
 
 def count_false_alarms(background: Background, threshold: Threshold, level: float = 0.95) -> FalseAlarmCount:
-    """Count every pixel above the threshold in every window; alarms are single pixels, not clusters."""
+    """Count the pixels above the threshold in all windows; alarms are single pixels, not clusters."""
     windows, rows, columns = background.statistic.shape
     alarms = FalseAlarms(tuple({threshold.sigma, LOWEST_THRESHOLD}))
     place = background.place
     each = place.each if place.sequences > 1 else 0
     cells = SegmentSums(windows, rows, columns, threshold.sigma, estimated=threshold.estimated, each=each)
     with_alarm = np.zeros(windows, np.int64)
-    nothing = np.full((rows, columns), np.nan, np.float32)
-    for k in range(windows):
-        z = background.z(k, threshold.law)
-        if k and place.sequences > 1 and k % place.each == 0:
-            alarms.add(nothing)  # exceedances of independent seas do not touch
-        alarms.add(z)
+    for k, z in enumerate(background.add_to(alarms, threshold.law)):
         cells.add(k, z)
         with_alarm[k] = bool((z > threshold.sigma).any())
     curve = alarms.curve()
+    # The density of z converts a shift of the threshold to a number of pixels.
     density = curve_density(curve.threshold, curve.exceedances, threshold.sigma) / max(curve.pixels, 1)
     per_pixel = cells.false_alarm_interval(density, level)
     per_frame = interval(with_alarm[:, None, None], np.ones((windows, 1, 1), np.int64), None, level)
@@ -236,15 +247,16 @@ def count_false_alarms(background: Background, threshold: Threshold, level: floa
 
 
 def curve_density(threshold: NDArray[np.float64], exceedances: NDArray[np.int64], at: float, half: float = 0.1) -> float:
-    """Pixels per standard deviation at a threshold, from a rate curve [1]."""
+    """Return the number of pixels per standard deviation at a threshold, from a rate curve [1]."""
     if threshold.size < 2:
         return 0.0
+    # Central difference over 0.2 standard deviations: single bins of the curve may be empty.
     below, above = (float(np.interp(at + s * half, threshold, exceedances, left=exceedances[0], right=0.0)) for s in (-1, 1))
     return (below - above) / (2 * half)
 
 
 def _room(shape: tuple[int, ...]) -> Any:
-    """Array, on disk where it is large; the file has no name and is deleted with the array."""
+    """Return an array, on disk where it is large; the file has no name and is deleted with the array."""
     if 4.0 * np.prod(shape, dtype=np.float64) <= KEPT_BYTES:
         return np.empty(shape, np.float32)
     try:

@@ -1,8 +1,8 @@
 """Constant-false-alarm detectors: comparison of each pixel with a ring of training pixels around it.
 
-The ring is the square of side 2 ``training`` + 1 less the square of side 2 ``guard`` + 1, which keeps a target out of its own background.
-Both give equivalent standard deviations: z with Q(z) equal to the exact probability that independent clutter of the stated kind gives the
-observed ratio. Sea clutter is neither independent nor of that kind, which is what counting false alarms shows.
+The ring is the square of side 2 ``training`` + 1 less the square of side 2 ``guard`` + 1, so that a target is not part of the background
+with which it is compared. Both detectors give equivalent standard deviations: z with Q(z) equal to the exact probability that independent
+clutter of the stated kind gives the observed ratio. Sea clutter is neither independent nor of that kind, as counts of false alarms show.
 Pixels nearer to the border than ``training``, and rings with missing values, give NaN.
 
 References
@@ -32,26 +32,15 @@ _NODES: Final = np.linspace(-8.0, HIGHEST, 9001)
 
 
 class RingDetector:
-    """Members of both detectors, which see one frame and compare each pixel with its ring."""
+    """Members of both detectors, which use one frame and compare each pixel with its ring."""
 
     training: int
     guard: int
     clutter: Clutter
 
-    @property
-    def lead(self) -> int:
-        """Single frames are enough."""
-        return 0
-
-    @property
-    def calibrated(self) -> bool:
-        """The statistic is in equivalent standard deviations."""
-        return True
-
-    @property
-    def linear(self) -> bool:
-        """The statistic is no sum over pixels."""
-        return False
+    lead: int = 0  #: Single frames are enough.
+    calibrated: bool = True  #: The statistic is in equivalent standard deviations.
+    linear: bool = False  #: The statistic is no sum over pixels.
 
     @property
     def reach(self) -> int:
@@ -81,6 +70,7 @@ def _ring_sums(frame: np.ndarray, training: int, guard: int, level: float, total
         # Column sums over the rows beside and above or below the guard: nothing is subtracted, so a value missing in the guard stays there.
         far1, far2, near1, near2 = np.zeros(columns), np.zeros(columns), np.zeros(columns), np.zeros(columns)
         for r in range(i - training, i + training + 1):
+            # Rows of the guard count apart: their columns within the guard are left out below.
             near = abs(r - i) <= guard
             for j in range(columns):
                 x = frame[r, j] - level
@@ -108,6 +98,7 @@ def _averaging_ratios(clutter: Clutter, cells: int) -> FloatArray:
     from scipy.special import log_ndtr
     from scipy.stats import t
 
+    # Logarithms of tails: the tail itself falls to 1e-299 at the last node.
     tail = log_ndtr(-_NODES)
     if clutter == "exponential":
         return np.asarray(cells * np.expm1(-tail / cells))
@@ -151,6 +142,7 @@ class CellAveraging(RingDetector):
         for k, frame in enumerate(frames):
             x = np.ascontiguousarray(frame, np.float64)
             finite = np.isfinite(x)
+            # Sums about the frame's level: squares of large values would lose the digits of their differences.
             level = float(x[finite].mean()) if self.clutter == "gaussian" and finite.any() else 0.0
             total, squares = np.full(x.shape, np.nan), np.full(x.shape, np.nan)
             _ring_sums(x, self.training, self.guard, level, total, squares)
@@ -160,6 +152,7 @@ class CellAveraging(RingDetector):
                     ratio = np.where(mean > 0, x / mean, np.nan)
                 else:
                     variance = (squares - n * mean * mean) / (n - 1)
+                    # A ring of equal values leaves only rounding, some 1e-16 of the squares.
                     flat = variance <= 1e-12 * squares / n
                     ratio = (x - level - mean) / np.sqrt(np.where(flat, np.nan, variance) * (1 + 1 / n))
             out[k] = _equivalent(ratio, nodes)
@@ -212,6 +205,7 @@ def _ring_quantiles(frame: np.ndarray, training: int, guard: int, ranks: tuple[i
                     n += 1
             if missing:
                 continue
+            # After the selection of the upper rank all smaller values lie before it: the lower rank is among them.
             upper[i, j] = _select(ring, 0, n - 1, ranks[1] - 1)
             lower[i, j] = upper[i, j] if ranks[0] == ranks[1] else _select(ring, 0, ranks[1] - 1, ranks[0] - 1)
 
@@ -228,6 +222,7 @@ def _ordered_ratios(cells: int, rank: int) -> FloatArray:
         c = np.exp(log_c)
         # log P = -sum log(1 + c / (n - i)), i = 0 ... k - 1: terms of one sign, where differences of log Gamma would cancel.
         step = (np.log1p(c / left).sum(0) + log_tail) / (c / (left + c)).sum(0)
+        # Bounded steps: far from the solution Newton would overshoot.
         log_c -= np.clip(step, -2.0, 2.0)
         if np.abs(step).max() < 1e-12:
             break
@@ -244,6 +239,7 @@ def _symmetric_ratios(cells: int, rank: int) -> tuple[FloatArray, FloatArray]:
     """
     from scipy.special import log_ndtr, logsumexp
 
+    # Ranks as order statistics of n Gaussian values: their joint density is a product of powers of the distribution between and beyond.
     grid = np.linspace(-7.0, 7.0, 401)
     a, b = grid[:, None], grid[None, :]
     below, density = log_ndtr(grid), -0.5 * grid**2
@@ -254,13 +250,14 @@ def _symmetric_ratios(cells: int, rank: int) -> tuple[FloatArray, FloatArray]:
     joint = np.where(b > a, joint + (inner * between if inner else 0.0), -np.inf)
     joint -= logsumexp(joint)
     used = joint > -150.0
-    middle, spread, weight = ((a + b) / 2)[used], (b - a)[used], joint[used]
+    middle, width, weight = ((a + b) / 2)[used], (b - a)[used], joint[used]
     ratio = np.concatenate([np.linspace(0.0, 4.0, 81), np.geomspace(4.2, 30.0, 40)])
-    tail = np.array([logsumexp(weight + log_ndtr(-(middle + c * spread))) for c in ratio])
+    tail = np.array([logsumexp(weight + log_ndtr(-(middle + c * width))) for c in ratio])
     z = np.interp(tail, log_ndtr(-_NODES[::-1]), _NODES[::-1])
     z[0] = 0.0
     from scipy.interpolate import PchipInterpolator
 
+    # Monotone interpolation keeps z rising with the ratio.
     fine = np.linspace(0.0, 30.0, 6001)
     fine_z = np.asarray(PchipInterpolator(ratio, z)(fine))
     # Odd about 0: the two ranks are mirror images.
@@ -310,6 +307,7 @@ class OrderedStatistic(RingDetector):
         NaN where the ring's quantiles are equal, or in the exponential case not above 0.
         """
         n = self.cells
+        # A rank from 1 to n, whatever the rounding gives.
         rank = min(max(round(self.quantile * n), 1), n)
         gaussian = self.clutter == "gaussian"
         if gaussian:

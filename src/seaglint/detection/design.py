@@ -36,11 +36,11 @@ class RateThreshold:
     low: float
     high: float
     how: str  #: From the pixels above it, from the tail's fit, or by the law of white noise.
-    believed: bool  #: Whether the rate is to be believed.
+    believed: bool  #: Whether the rate is reliable.
 
 
 def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateThreshold:
-    """Threshold for a rate per pixel: counted with enough false alarms, else from the tail's fit.
+    """Return the threshold for a rate per pixel: counted with enough false alarms, else from the tail's fit.
 
     Raises
     ------
@@ -51,6 +51,7 @@ def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateTh
     if p_fa * curve.pixels >= COUNTED:
         counted = curve.threshold_for(p_fa)
         if counted is not None and counted > 0:
+            # The threshold is an edge of the curve, up to rounding.
             place = int(np.searchsorted(curve.threshold, counted - 1e-9))
             number = int(curve.exceedances[place])
             half = 2.0 * math.sqrt(max(number, 1) * max(count.per_pixel.inflation if np.isfinite(count.per_pixel.inflation) else 1.0, 1.0))
@@ -73,7 +74,7 @@ class NeededContrast:
     #: ``low``, ``high``: Contrasts at which the required P_d is at the upper and the lower end of its interval [u].
     low: float | None
     high: float | None
-    tried: tuple[tuple[float, float], ...]  #: Contrasts and P_d on the way, rising.
+    tried: tuple[tuple[float, float], ...]  #: Contrasts tried and their P_d, rising.
 
 
 def contrast_for(
@@ -83,7 +84,7 @@ def contrast_for(
     threshold: Threshold,
     p_d: float = 0.9,
 ) -> NeededContrast:
-    """Contrast at which a share ``p_d`` of the objects is detected, bracketed in rounds.
+    """Return the contrast at which a share ``p_d`` of the objects is detected, bracketed in rounds.
 
     Parameters
     ----------
@@ -92,17 +93,20 @@ def contrast_for(
     objects : InjectedObjects
         Injected objects; the sign of their first contrast is used.
     p_d : float
-        Wanted share [1].
+        Requested share [1].
 
     Raises
     ------
     DataError
-        Nothing between a hundredth and a million standard deviations of the frames is found so often.
+        No contrast between a hundredth and a million standard deviations of the frames is detected so often.
     """
     sign = math.copysign(1.0, objects.contrasts[0])
     first = source.read(0, 1)
+    # A frame without variation is scaled by its largest value.
     scale = float(np.nanstd(first.astype(np.float64))) or float(np.nanmax(np.abs(first))) or 1.0
+    # First round in decades of the frames' deviation; each further round between the contrasts that bracket P_d.
     grid: NDArray[np.float64] = np.asarray(scale * 10.0 ** (np.arange(_DECADES + 1) - 2.0), np.float64)
+    # P_d at every contrast tried: a later round keeps the results of the earlier ones.
     known: dict[float, Interval] = {}
     low, high = 0.0, math.inf
     for number in range(_ROUNDS + 1):
@@ -127,6 +131,7 @@ def contrast_for(
             f"detector {background.detector.name}: P_d = {p_d:g} is reached by no contrast between {rising[0]:.3g} and {rising[-1]:.3g} "
             f"(P_d {known[rising[0]].rate:.3g} and {known[rising[-1]].rate:.3g}); lower the threshold, or choose another detector"
         )
+    # Ends of the interval: where the lower, and where the upper end of P_d's own interval crosses the requested share.
     exact = _crossing([(c, known[c].rate) for c in rising], p_d)
     sure, doubtful = ([(c, getattr(known[c], name) or known[c].rate) for c in rising] for name in ("low", "high"))
     least, most = (None if e is None else sign * e for e in (_crossing(doubtful, p_d), _crossing(sure, p_d)))
@@ -141,14 +146,14 @@ def _rates(
 
 
 def by_windows(scores: Scores, threshold_sigma: float, level: float) -> Interval:
-    """Share of objects above a threshold, grouped by windows."""
+    """Return the share of objects above a threshold, with its interval from the scatter between windows."""
     windows, which = np.unique(scores.window, return_inverse=True)
     hits = np.bincount(which, scores.detected(threshold_sigma), windows.size).astype(np.float64)
     return interval_of_sequences(hits, np.bincount(which, minlength=windows.size).astype(np.float64), None, level)
 
 
 def _crossing(points: list[tuple[float, float]], rate: float) -> float | None:
-    """First contrast at which a curve reaches a rate, linear in the contrast's logarithm; None where it does not."""
+    """Return the first contrast at which a curve reaches a rate, linear in the contrast's logarithm; None where it does not."""
     for (c0, p0), (c1, p1) in pairwise(points):
         if p0 < rate <= p1:
             return float(c0 * (c1 / c0) ** ((rate - p0) / (p1 - p0)))
@@ -156,7 +161,7 @@ def _crossing(points: list[tuple[float, float]], rate: float) -> float | None:
 
 
 def loss_db(contrast: float, white: float) -> float:
-    """Loss by clutter against white noise, 20 log10 of the ratio of contrasts [dB].
+    """Return the loss by clutter against white noise, 20 log10 of the ratio of contrasts [dB].
 
     Examples
     --------
@@ -194,6 +199,7 @@ class WhiteFrames(PlainFrames):
     @classmethod
     def like(cls, source: FrameSource, seed: int) -> WhiteFrames:
         """White noise with a source's size, mean and variance, over all its pixels and frames."""
+        # Sums about the level of the first frame, for their precision.
         number, total, squares = 0, 0.0, 0.0
         shift: float | None = None
         for k in range(source.frames):
@@ -204,7 +210,15 @@ class WhiteFrames(PlainFrames):
             number, total, squares = number + values.size, total + float(values.sum()), squares + float((values**2).sum())
         mean = total / max(number, 1)
         sigma = math.sqrt(max(squares / max(number, 1) - mean**2, 0.0))
-        return cls(source.frames, source.rows, source.columns, mean + (shift or 0.0), sigma, seed, source.sequence_length)
+        return cls(
+            frames=source.frames,
+            rows=source.rows,
+            columns=source.columns,
+            mean=mean + (shift or 0.0),
+            sigma=sigma,
+            seed=seed,
+            sequence_length=source.sequence_length,
+        )
 
     def read(self, start: int, stop: int) -> Frames:
         """Frames ``start`` to ``stop`` (not included)."""
@@ -214,7 +228,7 @@ class WhiteFrames(PlainFrames):
 
 
 def gaussian_threshold(p_fa: float) -> RateThreshold:
-    """Threshold of a linear or calibrated statistic on white Gaussian noise."""
+    """Return the threshold of a linear or calibrated statistic on white Gaussian noise."""
     from scipy.special import ndtri
 
     return RateThreshold(-float(ndtri(p_fa)), p_fa, p_fa, p_fa, "gaussian", True)

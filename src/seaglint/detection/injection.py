@@ -56,6 +56,7 @@ def offsets(seed: int, first: int, count: int, placement: Placement) -> FloatArr
     """Displacements of injections ``first`` ... ``first + count - 1``, uniform within the pixel, shape (count, 2) [px]; 0 at centres."""
     if placement == "centre":
         return np.zeros((count, 2))
+    # Blocks of fixed size: a displacement does not depend on how many are drawn at once.
     parts = []
     for block in range(first // _BLOCK, (first + count - 1) // _BLOCK + 1):
         drawn = stream(seed, "object offsets", block).random((_BLOCK, 2)) - 0.5
@@ -65,6 +66,7 @@ def offsets(seed: int, first: int, count: int, placement: Placement) -> FloatArr
 
 def pitch_for(detector: Detector, shape: SpotShape, match_radius: float, travel: int) -> int:
     """Least distance of objects [px] at which neither the statistics nor the fits of position affect another's match window."""
+    # Between two objects: the match window, the reach of the detector or of a fit, the object, and its travel.
     around = LOOSE_PITCH if detector.reach is None else max(detector.reach, shape.half)
     return int(match_radius) + around + shape.half + 1 + travel
 
@@ -88,9 +90,9 @@ class InjectionPlan:
     seed : int
         Seed of places and displacements.
     only_rows : (int, int), optional
-        Rows that hold objects, first and end; all within the margin where nothing is said [px].
+        Rows that hold objects, first and end; all within the margin by default [px].
     spread : bool
-        Whether all windows hold as many, however few: intervals of independent seas stand on how many there are.
+        Whether all windows hold as many, however few: intervals of independent seas depend on how many windows hold objects.
 
     Raises
     ------
@@ -122,7 +124,7 @@ class InjectionPlan:
 
     @property
     def row_range(self) -> tuple[int, int]:
-        """First and end row of the objects."""
+        """First row of the objects, and the row after the last."""
         first, end = self.only_rows or (0, self.rows)
         return max(first, self.margin), min(end, self.rows - self.margin)
 
@@ -130,6 +132,7 @@ class InjectionPlan:
     def per_batch(self) -> int:
         """Number of injections of one batch: as many as spread them over all windows, at least :data:`SHARED`, as far as there is space."""
         first, end = self.row_range
+        # Cells of the lattice inside the margin, at least one along each axis.
         cells = max((end - first) // self.pitch, 1) * max((self.columns - 2 * self.margin) // self.pitch, 1)
         return min(max(-(-self.injections // self.windows), 1 if self.spread else SHARED), cells, self.injections)
 
@@ -141,6 +144,7 @@ class InjectionPlan:
     def batch(self, number: int) -> Batch:
         """Batch of a given number, with all its places."""
         generator = stream(self.seed, "object places", number)
+        # A random origin of the lattice, and a random choice of its cells.
         first_row, first_column = generator.integers(0, self.pitch, 2)
         first, end = self.row_range
         # fewer rows than a pitch: all are equally likely, and each is used
@@ -157,8 +161,8 @@ class InjectionPlan:
 
 def free(batch: Batch, known: NDArray[np.bool_]) -> Batch:
     """Objects of a batch whose pixel has a statistic."""
-    keep = known[batch.row, batch.column]
-    return Batch(batch.window, batch.row[keep], batch.column[keep], batch.offset[keep])
+    free_pixels = known[batch.row, batch.column]
+    return Batch(batch.window, batch.row[free_pixels], batch.column[free_pixels], batch.offset[free_pixels])
 
 
 def nothing_free(batches: int) -> DataError:
@@ -207,6 +211,7 @@ def inject(
         back = count - 1 - k
         place = batch.place - back * np.asarray(velocity)
         pixel = np.floor(place + 0.5).astype(np.int64)
+        # Half a pixel of displacement must not round to the neighbour where the object is still at its own pixel.
         if back == 0 or velocity == (0.0, 0.0):
             pixel = np.stack([batch.row, batch.column], axis=1)
         _add(frames[k], shape.stamps(place - pixel), pixel[:, 0].copy(), pixel[:, 1].copy(), float(contrast))

@@ -1,17 +1,18 @@
 """Interface of a detector, its use on streams, and detectors from a user's own function.
 
 A detector is called with frames of shape (k, rows, columns) and returns a statistic for the frames from ``lead`` on, shape
-(k - lead, rows, columns): large where a target is likely, NaN where it cannot say. One that is ``calibrated`` returns equivalent standard
-deviations: the probability of a false alarm above m is the Gaussian tail Q(m) on the clutter it is designed for, so that its
-own promise is what is judged. The statistic of any other is divided by its measured sigma first
+(k - lead, rows, columns): large where a target is likely, NaN where no statistic is defined. A ``calibrated`` detector returns equivalent
+standard deviations: the probability of a false alarm above m is the Gaussian tail Q(m) on the clutter for which it is designed, and this
+property is evaluated. The statistic of any other detector is divided by its measured sigma first
 (:func:`seaglint.clutter.thresholds.standardise`).
 
-Objects share a frame where their statistics do not disturb each other: ``reach`` says how far a detector looks around a pixel, and one
-that is ``linear`` gives the sum of the statistics of two sequences for their sum, so that clutter and objects may go through it apart.
+Objects share a frame where their statistics do not disturb each other: ``reach`` is the distance up to which a detector uses pixels around
+a pixel. A ``linear`` detector gives the sum of the statistics of two sequences for their sum, so that clutter and objects may pass through
+it separately.
 
 Recordings have missing pixels: dead lines and pixels, even rows of sky, NaN. A user's function gets whole frames (:func:`filled`), as few
-functions are made for NaN and a median or mean over a frame would be lost for all of it; what it says where a value is missing does not
-count. With an attribute ``takes_nan = True`` it gets NaN instead.
+functions are made for NaN and a median or mean over a frame would be lost for all of it; its statistic is masked where a value is missing.
+With an attribute ``takes_nan = True`` the function gets NaN instead.
 """
 
 from __future__ import annotations
@@ -74,10 +75,10 @@ class Detector(Protocol):
 
 
 def filled(frames: Frames) -> Frames:
-    """Frames with missing values replaced by those of the nearest valid pixel of the same frame.
+    """Return frames whose missing values are replaced by the nearest valid pixel of the same frame.
 
-    As filters repeat the nearest pixel beyond the border, so that no edge appears where a line is dead. A frame without any value takes the
-    mean of the others, 0 where there is none.
+    Filters repeat the nearest pixel beyond the border in the same way, so that no edge appears where a line is dead. A frame without any
+    value takes the mean of the others, or 0 without other values.
 
     Parameters
     ----------
@@ -87,7 +88,7 @@ def filled(frames: Frames) -> Frames:
     Returns
     -------
     ndarray, shape (k, rows, columns)
-        The caller's own, finite.
+        A copy, finite.
 
     Examples
     --------
@@ -111,25 +112,26 @@ def filled(frames: Frames) -> Frames:
 
 
 def statistics(detector: Detector, blocks: Iterable[Frames]) -> Iterator[Frames]:
-    """Statistic of a sequence that comes in blocks, equal to that of the whole sequence; the first ``lead`` frames give none.
+    """Iterate over the statistic of a sequence in blocks, equal to the statistic of the whole; the first ``lead`` frames give none.
 
     Raises
     ------
     DataError
         The sequence is not longer than the detector's lead.
     """
-    held: Frames | None = None
-    given, seen = 0, 0
+    # The last ``lead`` frames of a block are repeated before the next one.
+    earlier: Frames | None = None
+    given, received = 0, 0
     for block in blocks:
-        frames = block if held is None else np.concatenate([held, block])
-        seen += block.shape[0]
+        frames = block if earlier is None else np.concatenate([earlier, block])
+        received += block.shape[0]
         if frames.shape[0] > detector.lead:
             statistic = detector(frames)
             given += statistic.shape[0]
             yield statistic
-        held = frames[frames.shape[0] - min(detector.lead, frames.shape[0]) :] if detector.lead else None
+        earlier = frames[frames.shape[0] - min(detector.lead, frames.shape[0]) :] if detector.lead else None
     if given == 0:
-        raise DataError(f"detector {detector.name} needs {detector.lead + 1} frames; the sequence has {seen}")
+        raise DataError(f"detector {detector.name} needs {detector.lead + 1} frames; the sequence has {received}")
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,7 @@ class UserDetector:
     lead: int = 0  #: Earlier frames needed [frames].
     calibrated: bool = False  #: Whether the statistic is in equivalent standard deviations.
     takes_nan: bool = False  #: Whether the function gets NaN where values are missing, rather than frames filled by :func:`filled`.
-    reach: int | None = None  #: Pixels around a pixel on which its statistic depends [px]; the whole frame where nothing is said.
+    reach: int | None = None  #: Pixels around a pixel on which its statistic depends [px]; the whole frame by default.
     linear: bool = field(default=False, init=False)
 
     @property
@@ -157,9 +159,9 @@ class UserDetector:
         Raises
         ------
         DataError
-            The function fails, or what it returns is not an array of numbers of that shape.
+            The function fails, or its result is not an array of numbers of that shape.
         """
-        # A copy: a function that works in place must not change what the next detector sees.
+        # A copy: a function that works in place must not change the frames of the next detector.
         whole = frames.copy() if self.takes_nan else filled(frames)
         try:
             result = self.function(whole)
@@ -167,6 +169,7 @@ class UserDetector:
             raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {_error_line(error)}") from error
         expected = (frames.shape[0] - self.lead, *frames.shape[1:])
         try:
+            # Conversion to real numbers would drop the imaginary part with a mere warning.
             if np.iscomplexobj(result):
                 raise TypeError("no order among complex numbers")
             out = np.asarray(result, np.float32)
@@ -186,10 +189,10 @@ class UserDetector:
         missing = ~np.isfinite(frames)
         if not missing.any():
             return statistic
-        gone = missing[self.lead :].copy()
+        unknown = missing[self.lead :].copy()
         for back in range(1, self.lead + 1):
-            gone |= missing[self.lead - back : frames.shape[0] - back]
-        return np.where(gone, np.float32(np.nan), statistic)
+            unknown |= missing[self.lead - back : frames.shape[0] - back]
+        return np.where(unknown, np.float32(np.nan), statistic)
 
 
 def _error_line(error: Exception) -> str:
@@ -198,7 +201,7 @@ def _error_line(error: Exception) -> str:
 
 
 def load(path: str) -> Detector:
-    """Load the detector ``package.module:attribute``; modules in the current folder are found as well.
+    """Load the detector ``package.module:attribute``; the current folder is searched as well.
 
     The attribute is a function of frames, which may carry attributes ``lead``, ``calibrated``, ``takes_nan`` and ``reach``, or an object
     with the interface of :class:`Detector`, or a class of such objects that needs no arguments.
@@ -211,15 +214,15 @@ def load(path: str) -> Detector:
     module_name, _, attribute = path.partition(":")
     if not module_name or not attribute:
         raise DataError(f"detector {path!r} is not of the form package.module:function; give e.g. mine:detector")
-    here = str(Path.cwd())
-    sys.path.insert(0, here)
+    folder = str(Path.cwd())
+    sys.path.insert(0, folder)
     try:
         module = importlib.import_module(module_name)
     except Exception as error:
         raise DataError(f"detector {path!r}: module {module_name} cannot be imported: {_error_line(error)}") from error
     finally:
-        if here in sys.path:
-            sys.path.remove(here)
+        if folder in sys.path:
+            sys.path.remove(folder)
     if not hasattr(module, attribute):
         raise DataError(f"detector {path!r}: module {module_name} has no {attribute}; check the name after the colon")
     detector = getattr(module, attribute)

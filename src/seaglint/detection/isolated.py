@@ -1,4 +1,4 @@
-"""User's detector in a process of its own: its errors and time limits end there and are reported in one line.
+"""User's detector in a separate process: its errors and time limits end there and are reported in one line.
 
 Frames go to the process and statistics come back through a socket. It is started once, its output to the console goes to stderr, and it is
 ended with the session, after a call that takes too long, or when it dies.
@@ -49,6 +49,7 @@ class IsolatedDetector:
         self.path, self.time_limit = path, time_limit
         ours, theirs = socket.socketpair()
         with theirs:
+            # The child inherits the descriptor of its end; standard output goes to stderr, so that results stay readable.
             number = theirs.fileno()
             command = [sys.executable, "-m", "seaglint.detection.worker", str(number), path]
             environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
@@ -68,7 +69,7 @@ class IsolatedDetector:
         Raises
         ------
         DataError
-            The function fails, returns what is no array of that shape, takes too long, or ends its process.
+            The function fails, returns no array of that shape, takes too long, or ends its process.
         """
         when = f"on frames of shape {frames.shape}"
         if self._process.poll() is not None:

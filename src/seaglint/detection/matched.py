@@ -2,8 +2,8 @@
 
     a = h . x,  h = C^-1 s / (s . C^-1 s),   deflection  d'^2 = A^2 s . C^-1 s
 
-for an object of amplitude A. The level of the clutter is taken as known (thresholds stand above the mean of the statistic), or as
-unknown: then the weights add up to 0, which costs what of the signature is constant
+for an object of amplitude A. The level of the clutter is taken as known (thresholds lie above the mean of the statistic), or as
+unknown: then the weights add up to 0, which costs the constant part of the signature
 (:class:`seaglint.clutter.filters.MatchedFilter`).
 
 References
@@ -28,7 +28,7 @@ from seaglint.detection.interface import Frames
 LEAST_EIGENVALUE: Final = 1e-6
 
 
-TILE: Final = 64  #: Side of tiles with a covariance of their own, where the object is not too large for it [px].
+TILE: Final = 64  #: Side of tiles with separate covariances, where the object is not too large for it [px].
 
 
 def covariance_matrix(lags: ArrayLike, shape: tuple[int, int]) -> FloatArray:
@@ -51,6 +51,7 @@ def whitened(signature: ArrayLike, lags: ArrayLike) -> FloatArray:
     """Whitened signature C^-1 s, shape of the signature [unit of the signature / u²]."""
     s = np.asarray(signature, np.float64)
     matrix = covariance_matrix(lags, (s.shape[0], s.shape[1]))
+    # By eigenvalues rather than by solving: an estimated covariance need not be positive definite.
     values, vectors = np.linalg.eigh(matrix)
     inverse = 1.0 / np.maximum(values, LEAST_EIGENVALUE * matrix[0, 0])
     return np.asarray(((vectors * inverse) @ (vectors.T @ s.ravel())).reshape(s.shape))
@@ -83,6 +84,7 @@ class Matched:
         weights = MatchedFilter(self.signature, self.covariance).weights
         if self.known_level:
             s = np.asarray(self.signature, np.float64)
+            # With a known level the weights need not add up to 0; they give the amplitude 1 on the signature.
             solved = s if self.covariance is None else whitened(s, self.covariance)
             weights = solved / (solved * s).sum()
         object.__setattr__(self, "_kernel", Kernel(weights, name=self.name))
@@ -110,10 +112,10 @@ class Matched:
 
 @dataclass(frozen=True)
 class LocalMatched:
-    """Matched filter with the covariance of each tile of the frame, in standard deviations of its own tile, level unknown.
+    """Matched filter with the covariance of each tile of the frame, in standard deviations of that tile, level unknown.
 
-    Clutter of a corridor and of the open sea beside it have different covariances; weights are those of the tile, and each is divided by
-    the standard deviation that its tile's covariance gives it, sqrt(h . C h).
+    Clutter of a corridor and of the open sea around it have different covariances. Each tile has its own weights h, and its statistic is
+    divided by the standard deviation sqrt(h . C h) that the tile's covariance gives it.
 
     Parameters
     ----------
@@ -122,7 +124,7 @@ class LocalMatched:
     background : array_like
         Frames without objects, shape (k, rows, columns), from which the covariances are estimated.
     tile : int, optional
-        Side of the tiles [px], at least three times that of the signature; 64, or those three times where they are more.
+        Side of the tiles [px], at least three sides of the signature; 64, or three sides where these are more.
     """
 
     signature: ArrayLike
@@ -149,14 +151,16 @@ class LocalMatched:
             row: list[Kernel | None] = []
             for left, right in zip(edges[1][:-1], edges[1][1:], strict=True):
                 part = frames[:, top:bottom, left:right]
+                # Lags up to the side of the signature cover all pairs of its pixels.
                 lags = autocovariance(part, side - 1)
                 if not lags[side - 1, side - 1] > 0:
                     row.append(None)
                     continue
                 h = MatchedFilter(s, lags).weights
-                spread = float(h.ravel() @ covariance_matrix(lags, (s.shape[0], s.shape[1])) @ h.ravel())
-                row.append(Kernel(h / np.sqrt(max(spread, LEAST_EIGENVALUE * float((h * h).sum()) * lags[side - 1, side - 1]))))
+                variance = float(h.ravel() @ covariance_matrix(lags, (s.shape[0], s.shape[1])) @ h.ravel())
+                row.append(Kernel(h / np.sqrt(max(variance, LEAST_EIGENVALUE * float((h * h).sum()) * lags[side - 1, side - 1]))))
             kernels.append(row)
+        # The frames themselves are dropped: only their size is needed from here on.
         object.__setattr__(self, "signature", s)
         object.__setattr__(self, "background", np.empty((0, *frames.shape[1:]), np.float32))
         object.__setattr__(self, "_tiles", (edges, kernels))

@@ -1,15 +1,13 @@
-"""Shift between two images to a fraction of a pixel, by phase correlation.
+"""Moving-target indication: registration of frames, their differences, and the integration of registered frames.
+
+Frames are registered first where the camera moves: the shift between two images is estimated to a fraction of a pixel by phase correlation.
+Differences cancel clutter that stays longer than ``lag`` frames (self-shadowing waves) and leave moving objects; integration averages
+clutter that disappears sooner (glints) and keeps objects that stay.
 
 References
 ----------
 Kuglin and Hines 1975, Proc. IEEE Conf. Cybernetics and Society, 163; Guizar-Sicairos, Thurman and Fienup 2008, Opt. Lett. 33, 156
 (refinement by a small discrete Fourier transform around the peak).
-
-Moving-target indication: differences of frames, and integration of registered frames.
-
-Both register frames first where the camera moves (:mod:`seaglint.detection.moving`). Differences cancel clutter that stays longer
-than ``lag`` frames (self-shadowing waves) and lay bare what moves; integration averages clutter that is gone sooner (glints) and keeps
-what stays.
 """
 
 from __future__ import annotations
@@ -37,7 +35,7 @@ def _prepared(image: ArrayLike) -> NDArray[np.float64]:
 
 
 def displacement(earlier: ArrayLike, later: ArrayLike) -> tuple[float, float]:
-    """Motion of the scene from one image to the next, (rows, columns) [px]: ``later(x) = earlier(x - displacement)``.
+    """Return the motion of the scene from one image to the next, (rows, columns) [px]: ``later(x) = earlier(x - displacement)``.
 
     The cross-power spectrum is whitened by its square root only: fully whitened, frequencies without signal would vote like the others.
 
@@ -54,6 +52,7 @@ def displacement(earlier: ArrayLike, later: ArrayLike) -> tuple[float, float]:
     shape = np.shape(earlier)
     if not any(whole) or any(n - abs(d) < 16 for n, d in zip(shape, whole, strict=True)):
         return first
+    # The parts of both images that show the same scene, by the whole pixels of the first estimate.
     before = tuple(slice(max(-d, 0), n - max(d, 0)) for d, n in zip(whole, shape, strict=True))
     after = tuple(slice(max(d, 0), n - max(-d, 0)) for d, n in zip(whole, shape, strict=True))
     rest = _peak_displacement(np.asarray(earlier)[before], np.asarray(later)[after])
@@ -69,8 +68,10 @@ def _peak_displacement(earlier: NDArray[np.floating], later: NDArray[np.floating
     cross /= np.sqrt(np.maximum(size, 1e-12 * size.max()))
     rows, columns = cross.shape
     peak = np.unravel_index(int(np.argmax(np.fft.ifft2(cross).real)), cross.shape)
+    # Shifts beyond half the image are negative ones.
     centre = [float((p + n // 2) % n - n // 2) for p, n in zip(peak, cross.shape, strict=True)]
     fy, fx = np.fft.fftfreq(rows), np.fft.fftfreq(columns)
+    # Twice a small transform about the peak, tenths of a pixel first: a whole padded one would cost FINENESS squared as much.
     for step in (0.1, 1.0 / FINENESS):
         offsets = step * np.arange(-10, 11)
         y, x = centre[0] + offsets, centre[1] + offsets
@@ -81,7 +82,7 @@ def _peak_displacement(earlier: NDArray[np.floating], later: NDArray[np.floating
 
 
 def moved(frame: ArrayLike, by: tuple[float, float]) -> Frames:
-    """Image moved by (rows, columns) [px], cubic spline; NaN where it has no value, unit of the input."""
+    """Return an image moved by (rows, columns) [px], cubic spline; NaN where it has no value, unit of the input."""
     from scipy.ndimage import shift
 
     x = np.asarray(frame, np.float64)
@@ -89,9 +90,10 @@ def moved(frame: ArrayLike, by: tuple[float, float]) -> Frames:
         return x.astype(np.float32)
     missing = np.isnan(x)
     if missing.any():
-        gone = shift(missing.astype(np.float64), by, order=1, mode="constant", cval=1.0) > 1e-6
+        # A pixel with any share of a missing one in it is missing, too.
+        blurred = shift(missing.astype(np.float64), by, order=1, mode="constant", cval=1.0) > 1e-6
         out = shift(np.where(missing, np.nanmean(x), x), by, order=3, mode="constant", cval=np.nan)
-        return np.where(gone, np.nan, out).astype(np.float32)
+        return np.where(blurred, np.nan, out).astype(np.float32)
     return np.asarray(shift(x, by, order=3, mode="constant", cval=np.nan), np.float32)
 
 
@@ -144,7 +146,7 @@ class FrameDifference:
 
 
 def _displacement(earlier: Frames, later: Frames) -> tuple[float, float]:
-    """Displacement of two frames; none where one of them has no values, so that differences and sums have none either."""
+    """Return the displacement of two frames; 0 where one of them has no values, so that differences and sums have none either."""
     if not (np.isfinite(earlier).any() and np.isfinite(later).any()):
         return 0.0, 0.0
     return displacement(earlier, later)
@@ -201,6 +203,7 @@ class RegisteredIntegration:
             for back in range(1, self.count):
                 frame = frames[k + self.lead - back]
                 shift = _displacement(frame, latest) if self.register else (0.0, 0.0)
+                # The shift of the scene, and the motion of the target in addition.
                 total += moved(frame, (shift[0] + back * self.velocity[0], shift[1] + back * self.velocity[1]))
             out[k] = total / self.count
         return out

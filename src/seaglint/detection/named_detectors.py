@@ -1,66 +1,43 @@
-"""Selection of detectors by name: those of this package with default settings, and a user's own."""
+"""Detectors by name: the detectors of :mod:`seaglint.detection.detector_names` with default settings, and a user's detector."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from importlib import import_module
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
-from seaglint.clutter.filters import TopHat, autocovariance
-from seaglint.detection.cfar import CellAveraging, OrderedStatistic
+from seaglint.clutter.filters import autocovariance
+from seaglint.detection.detector_names import DETECTORS, NAMES, PLAIN
 from seaglint.detection.interface import Detector, Frames, load
-from seaglint.detection.matched import LocalMatched, Matched
-from seaglint.detection.moving import FrameDifference, RegisteredIntegration
-from seaglint.detection.patch_image import PatchImage
-from seaglint.detection.spatial import DirectionalBackground, FilterThreshold, laplacian_of_gaussian
+from seaglint.detection.spatial import laplacian_of_gaussian
 from seaglint.detection.spot import GaussianSpot, SpotShape
-from seaglint.detection.temporal import TemporalProfile, TrackBeforeDetect
-
-_PLAIN: Final[dict[str, Callable[[], Detector]]] = {
-    "ca-cfar": CellAveraging,
-    "os-cfar": OrderedStatistic,
-    "os-cfar-exponential": lambda: OrderedStatistic(clutter="exponential"),
-    "frame-difference": FrameDifference,
-    "integration": RegisteredIntegration,
-    "threshold": FilterThreshold,
-    "top-hat": lambda: FilterThreshold(TopHat(), "top-hat"),
-    "max-mean": lambda: DirectionalBackground("mean"),
-    "max-median": lambda: DirectionalBackground("median"),
-    "patch-image": PatchImage,
-    "temporal-profile": TemporalProfile,
-    "track-before-detect": TrackBeforeDetect,
-}
-
-_SHAPED: Final = ("matched", "matched-global", "matched-local", "log")
 
 CORE: Final = 0.999  #: Share of its energy that a signature keeps where covariances are estimated.
 
-NAMES: Final = (*_PLAIN, *_SHAPED)  #: Names of the detectors of this package; the last ones need the object's shape.
-
 
 def named(name: str) -> Detector:
-    """Detector with default settings (:data:`NAMES`, those without an object's shape), or ``package.module:function``.
+    """Return the detector of a name in :data:`PLAIN` with default settings, or of ``package.module:function``.
 
     Raises
     ------
     DataError
-        Unknown name.
+        Unknown name, or the name of a detector that needs the object's shape.
     """
-    plain = _PLAIN.get(_key(name))
-    if plain is not None:
-        return plain()
+    if _key(name) in PLAIN:
+        return _made(name)
     if ":" in name:
         return load(name)
-    if _key(name) in _SHAPED:
+    if _key(name) in NAMES:
         raise DataError(f"detector {name!r} needs the shape of the object it looks for; seaglint detect has it")
-    raise _unknown(name, tuple(_PLAIN))
+    raise _unknown(name, PLAIN)
 
 
 def named_for(name: str, shape: SpotShape, background: Callable[[], Frames]) -> Detector:
-    """Detector by name for objects of a known shape.
+    """Return the detector of a name for objects of a known shape.
 
     Parameters
     ----------
@@ -79,23 +56,31 @@ def named_for(name: str, shape: SpotShape, background: Callable[[], Frames]) -> 
     signature: NDArray[np.float64] = shape.stamps(np.zeros((1, 2)))[0]
     match _key(name):
         case "matched":
-            return Matched(signature)
+            return _made(name, signature)
         case "matched-global":
-            kept = core_of(signature)
-            return Matched(kept, autocovariance(background(), max(kept.shape) - 1))
+            core = core_of(signature)
+            return _made(name, core, autocovariance(background(), max(core.shape) - 1))
         case "matched-local":
-            return LocalMatched(core_of(signature), background())
+            return _made(name, core_of(signature), background())
         case "log":
-            # The scale at which a spot answers most is its own; of a sampled one that of its second moment.
+            # A spot has its largest response at its own scale; of a sampled spot that is the width of its second moment.
             scale = shape.sigma if isinstance(shape, GaussianSpot) else _width(signature)
-            return FilterThreshold(laplacian_of_gaussian(float(np.clip(scale, 0.5, 10.0))), "log")
-    if ":" not in name and _key(name) not in _PLAIN:
+            return _made(name, laplacian_of_gaussian(float(np.clip(scale, 0.5, 10.0))), "log")
+    if ":" not in name and _key(name) not in PLAIN:
         raise _unknown(name, NAMES)
     return named(name)
 
 
+def _made(name: str, *arguments: Any) -> Detector:
+    """Return a detector of the package, of its entry's class."""
+    entry = next(entry for entry in DETECTORS if entry.name == _key(name))
+    module, _, function = entry.made_by.partition(".")
+    made: Detector = getattr(import_module(f"seaglint.detection.{module}"), function)(*arguments, **entry.settings)
+    return made
+
+
 def core_of(signature: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the smallest middle of a signature that keeps 99.9 % of its energy: faint edges ask for covariances of many more pixels.
+    """Return the smallest middle of a signature that keeps 99.9 % of its energy: faint edges need covariances of many more pixels.
 
     Examples
     --------
@@ -113,7 +98,7 @@ def core_of(signature: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _width(signature: NDArray[np.float64]) -> float:
-    """Standard deviation of the positive part along an axis [px]."""
+    """Return the standard deviation of the positive part along an axis [px]."""
     s = np.maximum(signature, 0.0)
     axis = np.arange(s.shape[0]) - s.shape[0] // 2
     return float(np.sqrt((s * (axis[:, None] ** 2 + axis**2)).sum() / (2.0 * s.sum())))

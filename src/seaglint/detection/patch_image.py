@@ -47,9 +47,11 @@ def robust_components(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
     most = penalty * 1e7
     for _ in range(_MOST):
         rest = matrix - background + multiplier / penalty
+        # Shrinkage towards 0: the step of the sum of magnitudes.
         sparse = np.sign(rest) * np.maximum(np.abs(rest) - weight / penalty, 0.0)
         u, s, v = np.linalg.svd(matrix - sparse + multiplier / penalty, full_matrices=False)
         rank = int((s > 1.0 / penalty).sum())
+        # Singular values are lowered by the threshold, and those below it dropped.
         background = (u[:, :rank] * (s[:rank] - 1.0 / penalty)) @ v[:rank]
         residual = matrix - background - sparse
         multiplier += penalty * residual
@@ -111,6 +113,7 @@ class PatchImage:
             for column, (i, j) in zip(sparse.T, ((i, j) for i in tops for j in lefts), strict=True):
                 total[i : i + self.patch, j : j + self.patch] += column.reshape(self.patch, self.patch)
                 number[i : i + self.patch, j : j + self.patch] += 1.0
+            # Mean over the patches that overlap in a pixel.
             out[k] = np.where(np.isnan(source[k]), np.nan, total / number)
         return out
 

@@ -1,10 +1,10 @@
 """Rare false alarms: rates below one in the data, from peaks over a threshold, and their reliability.
 
-The fit is that of :mod:`seaglint.clutter.extremes`: a generalised Pareto distribution of the excess of all exceeding pixels, as uncertain
-as the number of declustered events makes it. Tails of clutter approach that form slowly (a Gaussian's shape is still -0.08 at three
-standard deviations), so that a fit to many exceedances is precise and wrong: no more than :data:`MOST_EVENTS` events are fitted.
-Intervals are those of the profile likelihood: far beyond the data a rate depends on the shape so strongly that intervals symmetric in the
-shape fall short on the side of more alarms.
+The fit is explained in :mod:`seaglint.clutter.extremes`: a generalised Pareto distribution of the excess of all exceeding pixels, whose
+uncertainty follows from the number of declustered events. Tails of clutter approach that form slowly (a Gaussian's shape is still -0.08 at
+three standard deviations), so that a fit to many exceedances is precise and wrong: no more than :data:`MOST_EVENTS` events are fitted.
+Intervals follow from the profile likelihood: far beyond the data a rate depends on the shape so strongly that intervals symmetric in the
+shape are too short on the side of more alarms.
 
 References
 ----------
@@ -79,8 +79,9 @@ class RareTail:
     levels: StatisticSteps | None = None  #: Levels of a stepped statistic: thresholds are stated as the middle between two of them.
 
     def at(self, threshold_sigma: float) -> RareRate | None:
-        """Rate at a threshold [standard deviations]; None below the threshold of the fit."""
+        """Return the rate at a threshold [standard deviations]; None below the threshold of the fit."""
         if self.levels is not None:
+            # Between two levels of a stepped statistic the rate is constant.
             threshold_sigma = self.levels.below(threshold_sigma)
         if self.fit is None or threshold_sigma < self.fit.threshold:
             return None
@@ -89,6 +90,7 @@ class RareTail:
         shares = survival(*self.region, excess)
         # The number of events at the threshold of the fit is Poisson, and independent of how far they reach.
         known = QUANTILE / math.sqrt(self.fit.events)
+        # Independent uncertainties add in quadrature, on the logarithm of the rate.
         low, high = (self.fit.rate * float(s) for s in (shares.min(), shares.max()))
         low = rate * math.exp(-math.hypot(math.log(rate / low), known)) if 0.0 < low <= rate else 0.0
         high = rate * math.exp(math.hypot(math.log(high / rate), known)) if rate > 0.0 else high
@@ -96,7 +98,7 @@ class RareTail:
         return RareRate(float(threshold_sigma), rate, low, min(high, 1.0), believed)
 
     def threshold_for(self, rate: float) -> RareRate | None:
-        """Threshold of a rate [1]; None above the rate at the threshold of the fit, or where the tail ends before."""
+        """Return the threshold of a rate [1]; None above the rate at the threshold of the fit, or where the tail ends before."""
         threshold = None if self.fit is None else self.fit.threshold_for(rate)
         if threshold is None:
             return None
@@ -104,14 +106,14 @@ class RareTail:
 
 
 def rare_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> RareTail:
-    """Tail from a rate curve and the events of one threshold of the same accumulator (:func:`seaglint.clutter.extremes.fit_tail`)."""
+    """Fit the tail of a rate curve and the events of one threshold of the same accumulator (:func:`seaglint.clutter.extremes.fit_tail`)."""
     if len(events) > MOST_EVENTS:
         least = float(np.partition(events.peak, -MOST_EVENTS)[-MOST_EVENTS])
-        keep = events.peak >= least
+        largest = events.peak >= least
         names = ("first", "duration", "size", "peak", "row", "column", "cut")
         # The threshold of the fit is an edge of the curve's bins: the first at or above the least peak.
         edge = float(curve.threshold[min(int(np.searchsorted(curve.threshold, least)), curve.threshold.size - 1)])
-        events = replace(events, threshold=edge, **{name: getattr(events, name)[keep] for name in names})
+        events = replace(events, threshold=edge, **{name: getattr(events, name)[largest] for name in names})
     fit, note = fit_tail(curve, events, seed=seed)
     if fit is None:
         return RareTail(None, float("nan"), curve.pixels, note)
@@ -120,7 +122,7 @@ def rare_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> RareTail:
 
 
 def survival(shape: FloatArray, scale: FloatArray, excess: FloatArray | float) -> FloatArray:
-    """Probability P(X > excess) of generalised Pareto distributions, none of shape exactly 0 [1]."""
+    """Return the probability P(X > excess) of generalised Pareto distributions, none of shape exactly 0 [1]."""
     inside = np.maximum(1.0 + shape * np.asarray(excess) / scale, 0.0)
     with np.errstate(divide="ignore"):
         return np.asarray(np.exp(-np.log(inside) / np.abs(shape) * np.sign(shape)))
@@ -132,13 +134,15 @@ def _region(curve: RateCurve, fit: TailFit) -> tuple[FloatArray, FloatArray]:
     counts = -np.diff(curve.exceedances[edge:])
     used = counts > 0
     middle = (0.5 * (curve.threshold[edge:-1] + curve.threshold[edge + 1 :]) - fit.threshold)[used]
+    # Pixels of an event are not independent: the likelihood counts events.
     share = counts[used] * (fit.events / counts.sum())
-    a, spread = 1.0 + fit.fit.shape, 1.0 / math.sqrt(fit.events)
+    a, error = 1.0 + fit.fit.shape, 1.0 / math.sqrt(fit.events)
     # Six standard errors either way; the two are correlated, so that much of the grid is far below the threshold.
     steps = np.linspace(-6.0, 6.0, _GRID)
-    shape = np.maximum(fit.fit.shape + a * spread * steps, -0.99)
+    shape = np.maximum(fit.fit.shape + a * error * steps, -0.99)
+    # The formula has 1 / shape: 0 is replaced by a shape close to it.
     shape = np.where(np.abs(shape) < 1e-9, 1e-9, shape)[:, None] + np.zeros(_GRID)
-    scale = fit.fit.scale * np.exp(math.sqrt(2.0 * a) * spread * steps) + np.zeros((_GRID, 1))
+    scale = fit.fit.scale * np.exp(math.sqrt(2.0 * a) * error * steps) + np.zeros((_GRID, 1))
     likelihood = -share.sum() * np.log(scale)
     for y, n in zip(middle, share, strict=True):
         inside = 1.0 + shape * y / scale

@@ -1,9 +1,8 @@
-"""Scores of injected objects: the score and position of each, and the sums behind the intervals.
+"""Scores of injected objects, intervals of rates, and the receiver operating characteristic of one run.
 
 The score of an object is the largest statistic within the match radius of its pixel: it is detected at every threshold below its score,
-so that one run gives the whole operating characteristic.
-
-Receiver operating characteristic of one run: rates of detections and false alarms at every threshold.
+so that one run gives the rates of detections and false alarms at every threshold. Intervals follow from the scatter between cells of the
+frames, or between independent sequences.
 """
 
 from __future__ import annotations
@@ -48,6 +47,7 @@ def match_offsets(radius: float) -> IntArray:
         raise DomainError(f"match radius = {radius:g} px is outside 0-50 px")
     axis = np.arange(-int(radius), int(radius) + 1)
     rows, columns = (g.ravel() for g in np.meshgrid(axis, axis, indexing="ij"))
+    # A disc of pixels; a stable sort puts the pixel itself first.
     inside = rows**2 + columns**2 <= radius * radius
     offsets = np.stack([rows[inside], columns[inside]], axis=1)
     return np.asarray(offsets[np.argsort((offsets**2).sum(axis=1), kind="stable")], np.int64)
@@ -75,8 +75,8 @@ class Scores:
     """Scores of injected objects of one contrast."""
 
     contrast: float  #: Signal of an object in the pixel at whose centre it lies [u].
-    #: Largest statistic within the match radius, in standard deviations above the mean [1]; minus infinity where the detector says nothing
-    #: once the object is there. Shape (n,).
+    #: Largest statistic within the match radius, in standard deviations above the mean [1]; minus infinity where the detector returns
+    #: NaN at the object. Shape (n,).
     score: FloatArray
     #: ``window``, ``row``, ``column``: Window of frames and pixel that hold the object. Shape (n,).
     window: IntArray
@@ -111,7 +111,7 @@ class Scores:
 
 @njit
 def _sum_cells(z: np.ndarray, tile: int, threshold: float, sums: np.ndarray) -> None:
-    """Add pixels, exceedances, z and z² - 1 of one frame to those of its tiles, shape (4, tile rows, tile columns)."""
+    """Add pixels, exceedances, z and z² - 1 of one frame to the sums of its tiles, shape (4, tile rows, tile columns)."""
     for i in range(z.shape[0]):
         for j in range(z.shape[1]):
             value = z[i, j]
@@ -128,7 +128,7 @@ def _sum_cells(z: np.ndarray, tile: int, threshold: float, sums: np.ndarray) -> 
 class SegmentSums:
     """Sums over time segments and tiles, whose scatter gives the intervals of rates.
 
-    Where the threshold m stands on the mean and standard deviation of the same pixels, a cell moves it by
+    Where the threshold m depends on the mean and standard deviation of the same pixels, a cell moves it by
     (sum z + m / 2 sum (z² - 1)) / pixels, which is part of the scatter of every rate at that threshold.
 
     Parameters
@@ -138,16 +138,18 @@ class SegmentSums:
     threshold : float
         In standard deviations [1].
     estimated : bool
-        Whether the threshold stands on the pixels' own mean and standard deviation.
+        Whether the threshold depends on the mean and standard deviation of the pixels themselves.
     each : int
         Frames of one independent sequence; 0 where all belong together.
     """
 
     def __init__(self, frames: int, rows: int, columns: int, threshold: float, *, estimated: bool, each: int = 0) -> None:
         self.threshold, self.estimated = float(threshold), estimated
+        # Few sequences do not determine the scatter between them: then all cells count.
         self.each = each if each and frames // each >= FEWEST_SEQUENCES else 0
         self._sequences = np.zeros((frames // self.each if self.each else 0, 4))
         self.per_segment = -(-frames // SEGMENTS)
+        # Tiles of 4 pixels or more, and so large that there are at most TILES along an axis.
         self.tile = max(4, -(-max(rows, columns) // TILES))
         segments = -(-frames // self.per_segment)
         self.sums = np.zeros((segments, 4, -(-rows // self.tile), -(-columns // self.tile)))
@@ -200,6 +202,7 @@ class SegmentSums:
     def _interval_of_cells(self, scores: Scores, hits: NDArray[np.bool_], coarser: int, level: float) -> Interval:
         """Interval of the share of objects from cells of that many tiles along an axis."""
         segment = scores.window // self.per_segment
+        # Cells of objects are coarser than cells of pixels: an object is rarer.
         few = max(self.sums.shape[0] // (SEGMENTS // COARSER), 1)
         place = (segment // few, scores.row // self.tile // coarser, scores.column // self.tile // coarser)
         sizes, steps = self._moved().shape, (few, coarser, coarser)
@@ -231,10 +234,10 @@ class Interval:
 
 
 def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level: float) -> Interval:
-    """Wilson's interval with the effective number of trials from the scatter between cells.
+    """Return Wilson's interval with the effective number of trials from the scatter between cells.
 
     Fewer than :data:`FEWEST` occurrences, or as few that did not occur, are taken as independent, with the exact interval
-    (:func:`exact_interval`), and the note says so.
+    (:func:`exact_interval`) and a note.
 
     Parameters
     ----------
@@ -253,11 +256,11 @@ def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level
         low, high = exact_interval(count, number, level)
         which = "events" if count < FEWEST else "misses"
         return Interval(rate, low, high, 1.0, f"fewer than {FEWEST} {which}; the interval assumes independent trials")
-    spread = rate_variance(counts, trials, shift)
-    if spread.variance is None:
-        return Interval(rate, None, None, spread.inflation, spread.note)
-    low, high = score_interval(count, number, spread.inflation, spread.degrees, level)
-    return Interval(rate, low, high, spread.inflation, spread.note)
+    scatter = rate_variance(counts, trials, shift)
+    if scatter.variance is None:
+        return Interval(rate, None, None, scatter.inflation, scatter.note)
+    low, high = score_interval(count, number, scatter.inflation, scatter.degrees, level)
+    return Interval(rate, low, high, scatter.inflation, scatter.note)
 
 
 def exact_interval(count: int, number: int, level: float) -> tuple[float, float]:
@@ -309,6 +312,7 @@ def interval_of_sequences(counts: FloatArray, trials: FloatArray, shift: FloatAr
         which = "events" if count < FEWEST else "misses" if few else "sequences"
         low, high = exact_interval(count, number, level)
         return Interval(rate, low, high, 1.0, f"fewer than {FEWEST if few else 2} {which}; the interval assumes independent trials")
+    # Counts that the common threshold moves with the sequence's own mean and deviation are part of the residual.
     residual = counts - rate * trials + (0.0 if shift is None else shift)
     variance = sequences / (sequences - 1) * float((residual[used] ** 2).sum()) / number**2
     inflation = max(variance * number / (rate * (1.0 - rate)), 1e-6)
@@ -317,9 +321,9 @@ def interval_of_sequences(counts: FloatArray, trials: FloatArray, shift: FloatAr
 
 
 def mean_interval(values: FloatArray, level: float) -> tuple[float, float, float, float]:
-    """Mean and standard deviation of independent values, and the half widths of their intervals [unit of the values].
+    """Return mean and standard deviation of independent values, and the half widths of their intervals [unit of the values].
 
-    The second from the scatter of the squares, which need not be those of a Gaussian.
+    The interval of the standard deviation follows from the scatter of the squares, for values of any distribution.
     """
     from scipy.special import ndtri
 
@@ -366,10 +370,11 @@ def roc(curve: RateCurve, scores: Scores, inflation: tuple[float, float], level:
     scores : Scores
         Scores of the objects.
     inflation : (float, float)
-        Variance of false alarms and of detections over that of independent ones, taken for every threshold [1].
+        Variance of false alarms and of detections over the variance of independent ones, used for every threshold [1].
     level : float
         Confidence level of the bands, for each rate alone [1].
     """
+    # Thresholds end at the last one with a false alarm.
     last = int(np.flatnonzero(curve.exceedances)[-1]) if curve.exceedances.any() else 0
     # Even in the logarithm of the rate, where the interest is.
     rates = np.geomspace(0.999, 1.0 / max(curve.pixels, 2), POINTS)

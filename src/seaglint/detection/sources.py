@@ -1,8 +1,7 @@
-"""Interface of frames without objects, in which detectors are judged.
+"""Frames without objects, in which detectors are evaluated: their interface, and the effects of a sensor and of a level.
 
-Sensor effects on an object's light: the object's own shot noise, and the steps of the converter.
-
-Restoration of the level that a recording subtracts from its frames for precision, where a detector or a threshold needs it.
+A sensor counts the light of an injected object with shot noise and in steps of the converter (:class:`Counting`). A recording may subtract
+a level from its frames for precision; :class:`Rescaled` and :func:`level_shift` restore it where a detector or a threshold needs it.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from seaglint.detection.interface import Detector, Frames
 class FrameSource(Protocol):
     """Frames without objects: a recording, or pictures rendered on demand.
 
-    Of :class:`PlainFrames` a source inherits the members that it need not have.
+    A source inherits from :class:`PlainFrames` the members that it does not define.
     """
 
     @property
@@ -51,7 +50,7 @@ class FrameSource(Protocol):
 
     @property
     def counting(self) -> Counting | None:
-        """Counting of an object's light by the sensor; None where objects are added as they are."""
+        """Counting of an object's light by the sensor; None where objects are added unchanged."""
         ...
 
     @property
@@ -65,7 +64,7 @@ class FrameSource(Protocol):
 
 
 class PlainFrames:
-    """Members of a source whose frames are one sequence of its own numbers, without a sensor's counting."""
+    """Members of a source whose frames are one sequence of unchanged numbers, without a sensor's counting."""
 
     @property
     def sequence_length(self) -> int:
@@ -74,7 +73,7 @@ class PlainFrames:
 
     @property
     def counting(self) -> Counting | None:
-        """Objects are added as they are."""
+        """Objects are added unchanged."""
         return None
 
     @property
@@ -90,9 +89,9 @@ _MANY = 100.0  # from here on Cornish and Fisher's quantile is within 0.05 elect
 class Counting:
     """Increase of frames by an object's light, counted as the sensor does.
 
-    Electrons of background and object are independent Poisson numbers, so that those of the object may be added to frames which have the
-    noise of the background already. The converter has rounded these: what is added is rounded up or down at random, so that its mean
-    stays, and the sum takes the converter's values again.
+    Electrons of background and object are independent Poisson numbers, so that the electrons of the object may be added to frames which
+    have the noise of the background already. The converter has rounded these: the increase is rounded up or down at random, so that its
+    mean stays, and the sum takes the converter's values again.
     """
 
     electrons: float | None  #: Electrons for each unit of the frames [1/u]; None where a sensor has no shot noise.
@@ -119,8 +118,8 @@ class Counting:
         Parameters
         ----------
         light : ndarray, shape (k, rows, columns)
-            Mean of the objects' light [u]. Below 0, for objects darker than what is behind them, it has no noise of its own: the electrons
-            that are missing take a little of the background's noise with them, which is left in.
+            Mean of the objects' light [u]. Below 0, for objects darker than their background, it has no separate noise: the missing
+            electrons take a little of the background's noise with them, which is left in.
         draws : ndarray, shape (k, 2, rows, columns)
             Numbers from :meth:`draws`.
         """
@@ -148,22 +147,17 @@ def poisson_quantile(mean: FloatArray, share: FloatArray) -> FloatArray:
     out = np.empty(mean.shape)
     few = mean < _MANY
     out[few] = np.ceil(np.maximum(pdtrik(share[few], mean[few]), 0.0))
+    # Cornish and Fisher: the Gaussian quantile with the skewness of the Poisson distribution.
     z = ndtri(np.clip(share[~few], 1e-16, 1.0 - 1e-16))
     many = mean[~few]
     out[~few] = np.rint(many + np.sqrt(many) * z + (z * z - 1.0) / 6.0)
     return out
 
 
-@dataclass(frozen=True)
-class Rescaled(PlainFrames):
-    """Source whose values are multiplied by a factor and raised by a level.
-
-    With a factor of -1 dark objects are bright, which is what detectors look for.
-    """
+class DerivedFrames(PlainFrames):
+    """Members of a source that takes its frames from another source, in their number and size."""
 
     source: FrameSource
-    factor: float = 1.0
-    level: float = 0.0
 
     @property
     def frames(self) -> int:
@@ -186,14 +180,31 @@ class Rescaled(PlainFrames):
         return self.source.sequence_length
 
     @property
+    def counting(self) -> Counting | None:
+        """Counting of an object's light."""
+        return self.source.counting
+
+
+@dataclass(frozen=True)
+class Rescaled(DerivedFrames):
+    """Source whose values are multiplied by a factor and raised by a level.
+
+    With a factor of -1 dark objects are bright, which is what detectors look for.
+    """
+
+    source: FrameSource
+    factor: float = 1.0
+    level: float = 0.0
+
+    @property
     def saturation(self) -> float | None:
-        """Saturation value of a pixel [u]; None with a negative factor, where the largest value was the least."""
+        """Saturation value of a pixel [u]; None with a negative factor, where saturation would be the smallest value."""
         highest = self.source.saturation
         return None if highest is None or self.factor < 0.0 else self.factor * highest + self.level
 
     @property
     def counting(self) -> Counting | None:
-        """Counting of an object's light; with a negative factor that of dark objects, which have no shot noise of their own."""
+        """Counting of an object's light; with a negative factor counting of dark objects, without separate shot noise."""
         counting = self.source.counting
         if counting is None:
             return None
@@ -213,5 +224,6 @@ def level_shift(detector: Detector, source: FrameSource) -> float:
     if not source.offset or not detector.linear:
         return 0.0
     ones = np.ones((detector.lead + 1, source.rows, source.columns), np.float32)
+    # The statistic of a constant 1 in the middle of the frame is the weight of a level.
     answer = detector(ones)[-1]
     return source.offset * float(answer[source.rows // 2, source.columns // 2])

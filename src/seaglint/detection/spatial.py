@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DomainError
-from seaglint.clutter.filters import DifferenceOfGaussians, Filter, Kernel, Laplacian, MatchedFilter, Unfiltered, as_frames
+from seaglint.clutter.filters import DifferenceOfGaussians, Filter, Kernel, Laplacian, MatchedFilter, TopHat, Unfiltered, as_frames
 from seaglint.detection.interface import Detector, Frames
 
 #: Filters whose output for a sum of frames is the sum of their outputs.
@@ -61,8 +61,13 @@ class FilterThreshold:
         return "Gaussian of the measured mean and standard deviation, Gaussian clutter" if self.linear else None
 
     def __call__(self, frames: Frames) -> Frames:
-        """Filtered frames, shape (k, rows, columns), unit of the input times that of the filter."""
+        """Filtered frames, shape (k, rows, columns), unit of the input times the unit of the filter."""
         return self.filter.apply(frames)
+
+
+def top_hat() -> FilterThreshold:
+    """Return the detector behind a morphological top-hat, which keeps bright spots smaller than its square."""
+    return FilterThreshold(TopHat(), "top-hat")
 
 
 @dataclass(frozen=True)
@@ -140,7 +145,7 @@ class DirectionalBackground:
 
         T = x - max(Z_row, Z_column, Z_diagonal, Z_other diagonal)
 
-    over ``size`` pixels of each line, the pixel itself among them: an edge along any of the lines is its own background.
+    over ``size`` pixels of each line, the pixel itself among them: an edge along any of the lines is part of its background.
 
     Parameters
     ----------

@@ -1,8 +1,6 @@
-"""Shapes of small objects in pixels: a Gaussian spot integrated over pixels, or a measured point spread.
+"""Shapes of small objects in pixels: a Gaussian spot, a measured point spread, or a response sampled finer than pixels.
 
-A shape has the value 1 at its central pixel when it is centred there: times the contrast it is what the object adds to each pixel.
-
-Object shape with a response sampled finer than pixels: a point behind optics and detector, or anything drawn through them.
+A shape has the value 1 at its central pixel when it is centred there. Its product with the contrast is the signal in each pixel.
 """
 
 from __future__ import annotations
@@ -15,6 +13,8 @@ from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+
+_PAD = 12  #: Zeros about the samples of a spline [samples]: its coefficients fall by 0.27 a sample, here below 1e-6.
 
 
 class SpotShape(Protocol):
@@ -73,6 +73,7 @@ class GaussianSpot:
         from scipy.special import ndtr
 
         edges = np.arange(-self.half, self.half + 2) - 0.5
+        # The integral of a Gaussian over each pixel.
         steps = np.diff(ndtr((edges - displacement[:, None]) / self.sigma), axis=1)
         return np.asarray(steps / (2.0 * ndtr(0.5 / self.sigma) - 1.0))
 
@@ -107,7 +108,7 @@ class SampledSpot:
         side = max(v.shape) + 2
         square = np.pad(v / middle, [((side - n) // 2,) * 2 for n in v.shape])
         object.__setattr__(self, "values", square)
-        object.__setattr__(self, "_coefficients", spline_filter(np.pad(square, 12), order=3))
+        object.__setattr__(self, "_coefficients", spline_filter(np.pad(square, _PAD), order=3))
 
     @property
     def half(self) -> int:
@@ -116,25 +117,16 @@ class SampledSpot:
 
     def stamps(self, offsets: FloatArray) -> FloatArray:
         """Displaced point spreads, shape (n, 2 half + 1, 2 half + 1) [1]."""
-        from scipy.ndimage import map_coordinates
-
-        axis = np.arange(2 * self.half + 1) + 12.0
-        shape = (offsets.shape[0], axis.size, axis.size)
-        rows = np.broadcast_to((axis - offsets[:, :1])[:, :, None], shape)
-        columns = np.broadcast_to((axis - offsets[:, 1:])[:, None, :], shape)
-        coefficients = self._coefficients  # type: ignore[attr-defined]
-        return np.asarray(map_coordinates(coefficients, np.stack([rows, columns]), order=3, prefilter=False))
-
-
-_PAD = 12
+        axis = np.arange(2 * self.half + 1) + float(_PAD)
+        return _interpolated(self._coefficients, axis - offsets[:, :1], axis - offsets[:, 1:])  # type: ignore[attr-defined]
 
 
 @dataclass(frozen=True)
 class FineSpot:
     """Shape of an object sampled at ``steps`` places per pixel, with cubic splines between them; 0 outside.
 
-    Unlike :class:`seaglint.detection.spot.SampledSpot` it needs no optics that blur over several pixels: displaced by half a pixel it is
-    what the pixels then integrate, not an interpolation between whole ones.
+    Unlike :class:`seaglint.detection.spot.SampledSpot` it needs no optics that blur over several pixels: displaced by half a
+    pixel it is the integral over the displaced pixels, not an interpolation between whole ones.
 
     Parameters
     ----------
@@ -181,12 +173,16 @@ class FineSpot:
 
     def stamps(self, offsets: FloatArray) -> FloatArray:
         """Displaced objects, shape (n, 2 half + 1, 2 half + 1) [1]."""
-        from scipy.ndimage import map_coordinates
-
         middle = (np.shape(self.response)[0] - 1) / 2 + _PAD
         axis = np.arange(-self.half, self.half + 1)
-        shape = (offsets.shape[0], axis.size, axis.size)
-        rows = np.broadcast_to((middle + self.steps * (axis - offsets[:, :1]))[:, :, None], shape)
-        columns = np.broadcast_to((middle + self.steps * (axis - offsets[:, 1:]))[:, None, :], shape)
-        coefficients = self._coefficients  # type: ignore[attr-defined]
-        return np.asarray(map_coordinates(coefficients, np.stack([rows, columns]), order=3, prefilter=False))
+        rows, columns = (middle + self.steps * (axis - offsets[:, [k]]) for k in (0, 1))
+        return _interpolated(self._coefficients, rows, columns)  # type: ignore[attr-defined]
+
+
+def _interpolated(coefficients: FloatArray, rows: FloatArray, columns: FloatArray) -> FloatArray:
+    """Return values of a cubic spline on grids of rows and columns, shape (n, side) each, as shape (n, side, side)."""
+    from scipy.ndimage import map_coordinates
+
+    shape = (*rows.shape, columns.shape[1])
+    grid = np.stack([np.broadcast_to(rows[:, :, None], shape), np.broadcast_to(columns[:, None, :], shape)])
+    return np.asarray(map_coordinates(coefficients, grid, order=3, prefilter=False))

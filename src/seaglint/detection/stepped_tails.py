@@ -46,17 +46,20 @@ class Steps:
         return self.level + (math.ceil((threshold - self.level) / self.step - 0.5 - 1e-6) + 0.5) * self.step
 
 
-def steps_of(judged: Background, law: Law) -> Steps | None:
-    """Levels of the statistic; None where it is continuous, or has steps finer than two bins of the rate curve."""
-    rows, columns = judged.statistic.shape[1:]
-    number = min(max(_SAMPLE // (rows * columns), 1), judged.windows)
-    chosen = np.unique(np.linspace(0, judged.windows - 1, number).astype(int))
-    values = np.concatenate([judged.z(int(k), law).ravel() for k in chosen]).astype(np.float64)
+def steps_of(background: Background, law: Law) -> Steps | None:
+    """Return the levels of the statistic; None where it is continuous, or has steps finer than two bins of the rate curve."""
+    rows, columns = background.statistic.shape[1:]
+    number = min(max(_SAMPLE // (rows * columns), 1), background.windows)
+    # A sample of windows, evenly spread: levels show in few values.
+    chosen = np.unique(np.linspace(0, background.windows - 1, number).astype(int))
+    values = np.concatenate([background.z(int(k), law).ravel() for k in chosen]).astype(np.float64)
     values = np.sort(values[np.isfinite(values)])
     gaps = np.diff(values)
     gaps = gaps[gaps > 0.1 * BIN]
+    # Too few levels, or about as many levels as values: the statistic is continuous.
     if gaps.size < FEWEST_LEVELS or _SHARE * gaps.size > values.size:
         return None
+    # Missing levels give multiples of the step: the smallest gaps are single steps.
     step = float(np.median(gaps[gaps < 1.5 * gaps.min()]))
     in_steps = gaps / step
     if step < 2.0 * BIN or np.abs(in_steps - np.rint(in_steps)).max() > 0.1:
@@ -66,9 +69,9 @@ def steps_of(judged: Background, law: Law) -> Steps | None:
 
 
 def tail_above(
-    judged: Background, law: Law, curve: RateCurve, events: Events, *, lowest: float = LOWEST_THRESHOLD, seed: int = 0
+    background: Background, law: Law, curve: RateCurve, events: Events, *, lowest: float = LOWEST_THRESHOLD, seed: int = 0
 ) -> RareTail:
-    """Tail of the statistic's false alarms, for stepped and continuous statistics.
+    """Fit the tail of the statistic's false alarms, for stepped and continuous statistics.
 
     Parameters
     ----------
@@ -83,7 +86,7 @@ def tail_above(
     seed : int
         Seed of the draws behind tests and intervals.
     """
-    steps = steps_of(judged, law)
+    steps = steps_of(background, law)
     if steps is None:
         return rare_tail(curve, events, seed=seed)
     edges = np.arange(steps.above(lowest), float(curve.threshold[-1]) + steps.step, steps.step) if curve.threshold.size else np.empty(0)
@@ -94,11 +97,8 @@ def tail_above(
         return RareTail(None, float("nan"), curve.pixels, f"{filled.size} levels above {lowest:g} sigma; a tail needs {FEWEST_LEVELS}")
     edges, above = edges[: filled[-1] + 1], above[: filled[-1] + 1]
     alarms = FalseAlarms(tuple(float(e) for e in edges))
-    nothing = np.full(judged.statistic.shape[1:], np.nan, np.float32)
-    for k in range(judged.windows):
-        if k and judged.place.sequences > 1 and k % judged.place.each == 0:
-            alarms.add(nothing)
-        alarms.add(judged.z(k, law))
+    for _ in background.add_to(alarms, law):
+        pass
     note = f"fewer than {FEWEST_EVENTS} events or {FEWEST_LEVELS} levels above any threshold that leaves {MOST_EVENTS} events at most"
     for first in range(edges.size - FEWEST_LEVELS + 1):
         number = len(alarms.events(float(edges[first])))
@@ -119,7 +119,7 @@ def tail_above(
 
 
 def fit_levels(counts: NDArray[np.int64], step: float, share: float) -> tuple[ParetoFit, float, tuple[FloatArray, FloatArray]]:
-    """Generalised Pareto fit to numbers on levels, by maximum likelihood on a grid.
+    """Fit a generalised Pareto distribution to numbers on levels, by maximum likelihood on a grid.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def fit_levels(counts: NDArray[np.int64], step: float, share: float) -> tuple[Pa
     # against levels with the counted shares, the rare ones and those beyond the last combined
     expected = weight.sum() * -np.diff(np.append(np.asarray(fit.survival(ends[:-1])), 0.0))
     count = max(int(np.sum(np.cumsum(expected[::-1])[::-1] >= 3.0)), 1)
-    seen, predicted = (np.append(v[: count - 1], v[count - 1 :].sum()) for v in (weight, expected))
+    observed, predicted = (np.append(v[: count - 1], v[count - 1 :].sum()) for v in (weight, expected))
     with np.errstate(divide="ignore", invalid="ignore"):
-        deviance = 2.0 * float(np.where(seen > 0, seen * np.log(seen / predicted), 0.0).sum())
-    return fit, float(chi2.sf(deviance, max(seen.size - 3, 1))), (shape[near], scale[near])
+        deviance = 2.0 * float(np.where(observed > 0, observed * np.log(observed / predicted), 0.0).sum())
+    return fit, float(chi2.sf(deviance, max(observed.size - 3, 1))), (shape[near], scale[near])

@@ -25,6 +25,7 @@ def _student(degrees: int) -> tuple[FloatArray, FloatArray]:
     """Ratios and their equivalent standard deviations z, by equal tails of Student's t and the Gaussian: dense around 0, up to 1e30."""
     from scipy.special import ndtri, stdtr
 
+    # A grid dense about 0, where most values lie, up to ratios of tails below 1e-300.
     ratio = np.sinh(np.linspace(0.0, np.arcsinh(1e30), 20_001))
     z = np.minimum(-ndtri(np.maximum(stdtr(degrees, -ratio), 1e-300)), HIGHEST)
     return np.concatenate([-ratio[:0:-1], ratio]), np.concatenate([-z[:0:-1], z])
@@ -72,10 +73,10 @@ class TemporalProfile:
         for k in range(out.shape[0]):
             past = source[k : k + n].astype(np.float64)
             with np.errstate(invalid="ignore", divide="ignore"):
-                spread = past.std(axis=0, ddof=1)
-                ratio = (source[k + self.lead] - past.mean(axis=0)) / (spread * np.sqrt(1.0 + 1.0 / n))
+                deviation = past.std(axis=0, ddof=1)
+                ratio = (source[k + self.lead] - past.mean(axis=0)) / (deviation * np.sqrt(1.0 + 1.0 / n))
             nodes, z = _student(n - 1)
-            out[k] = np.interp(np.where(spread > 0, ratio, np.nan), nodes, z)
+            out[k] = np.interp(np.where(deviation > 0, ratio, np.nan), nodes, z)
         return out
 
 
@@ -123,11 +124,13 @@ class TrackBeforeDetect:
 
         source = as_frames(frames)
         side = 2 * self.speed + 1
+        # A missing pixel ends every track through it.
         z = np.where(np.isnan(source), -np.inf, source)
         out = np.empty((source.shape[0] - self.lead, *source.shape[1:]), np.float32)
         for k in range(out.shape[0]):
             total = z[k].astype(np.float64)
             for later in z[k + 1 : k + self.count]:
+                # The best track into a pixel comes from its neighbourhood in the frame before.
                 total = later + maximum_filter(total, side, mode="nearest")
             out[k] = np.where(np.isfinite(total), total, np.nan) / np.sqrt(self.count)
         return out

@@ -1,17 +1,15 @@
-"""Position of a detected object: centroid and least squares, with their errors in white noise.
+"""Trials of a detector with injected objects, batch by batch, and the position of each detected object.
 
-Places are (row, column) from the centre of the patch's middle pixel [px].
+For a linear detector, clutter and objects pass separately: the statistic of the clutter is known, and the statistic of the objects is
+computed once and scaled to every contrast. Any other detector receives the frames with the objects in them. Objects before a sensor have
+shot noise, and their increase is counted in steps (:class:`seaglint.detection.sources.Counting`).
+
+Positions are estimated by centroid or least squares, as (row, column) from the centre of the patch's middle pixel [px].
 
 References
 ----------
 Kay 1993, Fundamentals of Statistical Signal Processing: Estimation Theory, ch. 3 (Cramer-Rao bound); Winick 1986, J. Opt. Soc. Am. A 3,
 1809 (position of a spot in pixels).
-
-Trials of a detector with injected objects, batch by batch.
-
-A detector that is linear sees clutter and objects apart: the statistic of the clutter is known, that of the objects is computed once and
-scaled to every contrast. Any other sees the frames with the objects in them. Objects before a sensor have shot noise, and what they add is
-counted in steps (:class:`seaglint.detection.sources.Counting`).
 """
 
 from __future__ import annotations
@@ -55,6 +53,7 @@ def centroid(patches: FloatArray, level: FloatArray | float = 0.0) -> FloatArray
     """
     above = patches - np.reshape(level, (-1, 1, 1))
     half = (patches.shape[1] - 1) / 2
+    # Places count from the middle pixel of the patch.
     axis = np.arange(patches.shape[1]) - half
     total = above.sum(axis=(1, 2))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -65,6 +64,7 @@ def centroid(patches: FloatArray, level: FloatArray | float = 0.0) -> FloatArray
 def _derivatives(shape: SpotShape, place: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Shape and its derivatives with respect to row and column."""
     steps = _STEP * np.eye(2)
+    # Central differences over a thousandth of a pixel.
     down, right = ((shape.stamps(place + s) - shape.stamps(place - s)) / (2 * _STEP) for s in steps)
     return shape.stamps(place), down, right
 
@@ -95,6 +95,7 @@ def least_squares(patches: FloatArray, shape: SpotShape) -> FloatArray:
         # A vanishing amplitude leaves the place undetermined: the ridge keeps its step at 0.
         normal += 1e-12 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(4)
         step = np.linalg.solve(normal, np.einsum("npi,np->ni", design, values)[:, :, None])[:, 2:, 0]
+        # Bounded steps: a fit to noise must not leave the patch.
         place = np.clip(place + np.clip(step, -0.5, 0.5), -2 * FARTHEST, 2 * FARTHEST)
     near = np.abs(place).max(axis=1) < FARTHEST
     return np.where(near[:, None], place, np.nan)
@@ -156,21 +157,21 @@ class InjectedObjects:
             raise DomainError(f"duration = {self.duration} frames; give at least 1, or 0 for all that the detector sees")
 
     def plan(self, detector: Detector, source: FrameSource) -> InjectionPlan:
-        """Places of the objects for a detector."""
+        """Return the places of the objects for a detector."""
         travel = int(np.ceil(detector.lead * max(abs(v) for v in self.velocity)))
         pitch = pitch_for(detector, self.shape, self.match_radius, travel)
         margin = self.shape.half + int(self.match_radius) + travel
         place = Windows.of(source, detector.lead)
         return InjectionPlan(
-            self.injections,
-            place.count,
-            source.rows,
-            source.columns,
-            pitch,
-            margin,
-            self.placement,
-            self.seed,
-            self.only_rows,
+            injections=self.injections,
+            windows=place.count,
+            rows=source.rows,
+            columns=source.columns,
+            pitch=pitch,
+            margin=margin,
+            placement=self.placement,
+            seed=self.seed,
+            only_rows=self.only_rows,
             spread=place.sequences > 1,
         )
 
@@ -198,13 +199,13 @@ class _Batches:
         self.patch: Final = np.stack([rows, columns], axis=1)
 
     def run(self, batch: Batch) -> list[tuple[FloatArray, FloatArray, int]]:
-        """Score, error of place and number of saturated objects, for each contrast."""
+        """Return score, error of place and number of saturated objects, for each contrast."""
         objects, lead = self.objects, self.background.lead
         start = self.background.place.start(batch.window)
         frames = self.source.read(start, start + lead + 1)
         alone = np.zeros_like(frames)
-        there = min(objects.duration, lead + 1) or lead + 1
-        inject(alone[lead + 1 - there :], batch, objects.shape, 1.0, objects.velocity)
+        present = min(objects.duration, lead + 1) or lead + 1  # frames with the object, the last ones of the window
+        inject(alone[lead + 1 - present :], batch, objects.shape, 1.0, objects.velocity)
         detector, counting = self.background.detector, self.source.counting
         draws = None if counting is None else counting.draws(objects.seed, start, alone.shape)
         response = detector(alone)[-1] if detector.linear and counting is None else None
@@ -216,12 +217,14 @@ class _Batches:
                 added = counting.added(added, draws)
             with_objects = frames + added
             high = self._saturated(with_objects, batch)
+            # Linear without saturation: the statistic of the sum is the sum of the statistics.
             if response is not None and not high:
                 values = base + contrast * around(response, batch.row, batch.column, self.offsets)
             elif detector.linear and not high:
                 values = base + around(detector(added)[-1], batch.row, batch.column, self.offsets)
             else:
                 if self.source.saturation is not None:
+                    # A pixel that was beyond saturation before stays as it was.
                     with_objects = np.minimum(with_objects, np.maximum(frames, np.float32(self.source.saturation)))
                 statistic = detector(with_objects)[-1]
                 values = around(statistic, batch.row, batch.column, self.offsets)
@@ -279,14 +282,14 @@ def run_trials(
     objects : InjectedObjects
         Objects to inject.
     threshold : Threshold
-        Above which places are estimated; the scores are those of every threshold.
+        Above which places are estimated; the scores hold for every threshold.
     report : callable, optional
         Called with (objects done, objects in all).
     enough : callable, optional
-        Asked after each batch, with the numbers of objects detected at each contrast so far and last those tried, whether to stop; it
-        returns the reason, or None to go on.
+        Called after each batch, with the numbers of objects detected at each contrast so far and last the number tried; it returns the
+        reason to stop, or None to continue.
     locate : bool
-        Whether the places of what is detected are estimated.
+        Whether the places of detected objects are estimated.
 
     Raises
     ------
@@ -301,6 +304,7 @@ def run_trials(
     stopped: str | None = None
     for number in range(most_batches(plan)):
         batch = plan.batch(number)
+        # Objects in masked pixels would be missed by every detector.
         batch = free(batch, np.isfinite(background.statistic[batch.window]))
         rest = objects.injections - tried
         if batch.size > rest:

@@ -1,4 +1,7 @@
-"""Report of a detection study, one HTML file, and its pictures: false alarms over the field, chips, sweeps, ranges about the Sun."""
+"""Pictures and report of detection studies: characteristics, false alarms over the field, chips, sweeps, and ranges about the Sun.
+
+The report is one HTML file with tables and pictures inside.
+"""
 
 from __future__ import annotations
 
@@ -23,17 +26,18 @@ MOST_CURVES: Final = 6  #: Characteristics drawn, evenly chosen from the contras
 
 
 def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], unit: str) -> Figure:
-    """Operating characteristics with bands, and P_d against contrast."""
+    """Draw operating characteristics with bands, and P_d against contrast."""
     figure = new_figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
     contrast = np.asarray(roc["contrast"])
     values = np.unique(contrast)
+    # A few curves, evenly chosen from the sorted contrasts.
     for value in values[np.unique(np.linspace(0, values.size - 1, min(values.size, MOST_CURVES)).astype(int))]:
         one = contrast == value
         p_fa, p_d, low, high = (np.asarray(roc[name])[one] for name in ("p_fa", "p_d", "p_d_low", "p_d_high"))
-        seen = p_fa > 0
-        (line,) = left.plot(p_fa[seen], p_d[seen], linewidth=1.3, label=f"{value:g} {unit}".strip())
-        left.fill_between(p_fa[seen], low[seen], high[seen], color=line.get_color(), alpha=0.2, linewidth=0)
+        positive = p_fa > 0
+        (line,) = left.plot(p_fa[positive], p_d[positive], linewidth=1.3, label=f"{value:g} {unit}".strip())
+        left.fill_between(p_fa[positive], low[positive], high[positive], color=line.get_color(), alpha=0.2, linewidth=0)
     left.set(xscale="log", xlabel="P_fa per pixel and frame", ylabel="P_d", ylim=(-0.02, 1.02))
     left.legend(fontsize=8, frameon=False)
     ordered = sorted(rows, key=lambda row: row["contrast"])
@@ -45,6 +49,7 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], u
     if min(x) > 0 and max(x) > 8 * min(x):
         from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
+        # Contrasts over three octaves or more, such as the default sweep.
         right.set_xscale("log")
         right.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         right.xaxis.set_major_formatter(FormatStrFormatter("%g"))
@@ -53,14 +58,14 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], u
     return figure
 
 
-def draw_map(found: FalseAlarmMap) -> Figure:
-    """P_fa over azimuth and elevation; tiles without a pixel that is judged are left out."""
+def draw_map(alarms: FalseAlarmMap) -> Figure:
+    """Draw P_fa over azimuth and elevation; tiles without a valid pixel are left out."""
     figure = new_figure(7.0, 3.6)
     axes = figure.subplots()
-    pixels = np.asarray(found.pixels, float)
-    rate = np.asarray(found.exceedances, float) / np.where(pixels > 0, pixels, np.nan)
-    grid = found.in_degrees
-    drawn = axes.pcolormesh(found.right, found.down, np.ma.masked_invalid(rate), cmap="magma", shading="flat")
+    pixels = np.asarray(alarms.pixels, float)
+    rate = np.asarray(alarms.exceedances, float) / np.where(pixels > 0, pixels, np.nan)
+    grid = alarms.in_degrees
+    drawn = axes.pcolormesh(alarms.right, alarms.down, np.ma.masked_invalid(rate), cmap="magma", shading="flat")
     if not grid:
         axes.invert_yaxis()
     axes.set(xlabel="azimuth [deg]" if grid else "column [px]", ylabel="elevation [deg]" if grid else "row [px]")
@@ -69,9 +74,9 @@ def draw_map(found: FalseAlarmMap) -> Figure:
     return figure
 
 
-def draw_chips(found: Chips, threshold_sigma: float) -> Figure | None:
-    """Missed objects above, false alarms below; None where there are neither."""
-    lines = [(name, some) for name, some in (("missed", found.missed), ("false", found.false)) if some]
+def draw_chips(chips: Chips, threshold_sigma: float) -> Figure | None:
+    """Draw missed objects above and false alarms below; None without either."""
+    lines = [(name, cut_outs) for name, cut_outs in (("missed", chips.missed), ("false", chips.false)) if cut_outs]
     if not lines:
         return None
     columns = max(len(items) for _, items in lines)
@@ -99,14 +104,14 @@ def _square(middle: int, colour: str) -> Any:
 
 
 def draw_sweep(rows: Sequence[TableRow], key: str) -> Figure:
-    """P_d and P_fa against a number that was varied; a line for each of what else was varied and each contrast."""
+    """Draw P_d and P_fa against a varied number; a line for each contrast and combination of the other varied keys."""
     figure = new_figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
     lines: dict[str, list[TableRow]] = {}
     for row in rows:
         lines.setdefault(row["_line"], []).append(row)
-    for name, some in lines.items():
-        ordered = sorted(some, key=lambda row: row[key])
+    for name, group in lines.items():
+        ordered = sorted(group, key=lambda row: row[key])
         x = [row[key] for row in ordered]
         (line,) = left.plot(x, [row["p_d"] for row in ordered], marker="o", markersize=3, label=name)
         low, high = ([row["p_d"] if row[end] is None else row[end] for row in ordered] for end in ("p_d_low", "p_d_high"))
@@ -119,28 +124,29 @@ def draw_sweep(rows: Sequence[TableRow], key: str) -> Figure:
     return figure
 
 
-def draw_ranges(found: Sequence[DetectionRange]) -> Figure:
-    """Ranges of detection: about the bearing from the Sun as polar curves where there are several bearings, else P_d against range."""
+def draw_ranges(ranges: Sequence[DetectionRange]) -> Figure:
+    """Draw ranges of detection as polar curves over the bearing from the Sun; for a single bearing P_d against range."""
     lines: dict[str, list[DetectionRange]] = {}
-    for one in found:
+    for one in ranges:
         lines.setdefault(one.named, []).append(one)
-    polar = len({one.bearing_deg for one in found}) > 1
+    polar = len({one.bearing_deg for one in ranges}) > 1
     figure = new_figure(5.6, 5.2)
     axes: Any = figure.add_subplot(projection="polar" if polar else None)
-    for name, some in lines.items():
+    for name, group in lines.items():
         if polar:
+            # As on a compass: the Sun at the top, bearings clockwise.
             axes.set_theta_zero_location("N")
             axes.set_theta_direction(-1)
-            ordered = sorted(some, key=lambda one: one.bearing_deg or 0.0)
+            ordered = sorted(group, key=lambda one: one.bearing_deg or 0.0)
             theta = np.radians([one.bearing_deg or 0.0 for one in ordered])
             metres = [((one.range_interval_m[0] or 0.0) if one.range_m is None else one.range_m) / 1e3 for one in ordered]
-            around = np.diff(theta, append=theta[0] + 2.0 * np.pi).max() < 0.6 * np.pi  # closed where no wide gap is left
+            around = np.diff(theta, append=theta[0] + 2.0 * np.pi).max() < 0.6 * np.pi  # the curve is closed where no wide gap is left
             x, y = ([*v, v[0]] if around else v for v in (theta, metres))
             (line,) = axes.plot(x, y, marker="o", markersize=3, label=name or None)
             open_ended = [k for k, one in enumerate(ordered) if one.range_m is None]
             axes.plot(theta[open_ended], np.array(metres)[open_ended], "o", markersize=7, fillstyle="none", color=line.get_color())
         else:
-            for one in some:
+            for one in group:
                 points = one.points
                 axes.plot([p.range_m / 1e3 for p in points], [p.p_d for p in points], marker="o", markersize=3, label=name or None)
             axes.set(xscale="log", xlabel="range [km]", ylabel="P_d", ylim=(-0.02, 1.02))
@@ -152,16 +158,16 @@ def draw_ranges(found: Sequence[DetectionRange]) -> Figure:
 
 
 def study_report(title: str, cases: Sequence[DetectionCase], stopped: str | None) -> str:
-    """The report as text.
+    """Return the report as text.
 
     Parameters
     ----------
     title : str
-        What was judged.
+        Title of the page.
     cases : sequence of DetectionCase
-        What was set, and what came of it.
+        Parameters and results.
     stopped : str, optional
-        Why some cases are missing.
+        Reason why some cases are missing.
     """
     good = [case for case in cases if case.error is None]
     remarks = [*([stopped] if stopped else []), *(case.error for case in cases if case.error is not None)]
@@ -169,7 +175,10 @@ def study_report(title: str, cases: Sequence[DetectionCase], stopped: str | None
     if remarks:
         body.append(notes(remarks))
     body.append(section("Results", _summary(good)))
-    body += [section(f"Against {key}", figure(png(draw_sweep(rows, key)), key, "Bands: intervals of P_d.")) for key, rows in _swept(good)]
+    body += [
+        section(f"Against {key}", figure(png(draw_sweep(rows, key)), key, "Bands: intervals of P_d."))
+        for key, rows in _varied_numbers(good)
+    ]
     for case in good:
         body.append(_case(case))
     results = [None if case.judged is None else case.judged.result for case in cases]
@@ -183,7 +192,7 @@ def _named(case: DetectionCase) -> str:
 
 
 def _unit(result: JsonObject) -> str:
-    """Unit of a result's contrasts; of a recording that of its values."""
+    """Return the unit of a result's contrasts; for a recording the unit of its values."""
     return str(result.get("contrast_unit") or result["units"] or "")
 
 
@@ -213,8 +222,8 @@ def _summary(good: Sequence[DetectionCase]) -> str:
     return table(head, lines, words=(0,))
 
 
-def _swept(good: Sequence[DetectionCase]) -> list[tuple[str, list[TableRow]]]:
-    """Numbers that were varied, with the rows told by what else was."""
+def _varied_numbers(good: Sequence[DetectionCase]) -> list[tuple[str, list[TableRow]]]:
+    """Return the varied numbers, with rows named by the other varied keys."""
     keys = list(dict.fromkeys(key for case in good for key in case.parameters))
     out = []
     for key in keys:

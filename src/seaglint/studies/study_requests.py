@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple, get_args
 
 from seaglint.base.parameters import Parameter, documented
+from seaglint.detection.detector_names import ANALYZED
 
 if TYPE_CHECKING:
     from seaglint.analysis import AnalysisOptions, Recording
@@ -154,7 +155,7 @@ class AnalysisRequest(ReadingRequest):
     detectors: Annotated[
         tuple[Any, ...],
         Parameter(
-            "ca-cfar, os-cfar, os-cfar-exponential, frame-difference, integration, or package.module:function; repeatable",
+            f"{', '.join(ANALYZED)}, or package.module:function; repeatable",
             form="names",
             option="--detector",
             subject="detectors that are counted like the filter:",

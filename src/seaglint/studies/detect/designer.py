@@ -1,6 +1,6 @@
-"""Designer's figures of a judged detector: the contrast it needs, and what clutter costs against white noise.
+"""Figures for a designer: the contrast that a detector needs, its loss by clutter against white noise, and the choice of a detector.
 
-Choice of the detector of a range: each of a short list is tried on the same frames, and the one with most contrast to spare is taken.
+For a range each of a short list of detectors is tried on the same frames, and the one with the largest margin of contrast is taken.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ FEWEST_PIXELS: Final = 200  #: Pixels that it holds at least, as far as that sha
 class Design:
     """Request for the contrast that a designer needs."""
 
-    p_d: float = 0.9  #: Share of objects to be found [1].
+    p_d: float = 0.9  #: Share of objects to be detected [1].
     p_fa: float | None = None  #: Rate of false alarms per pixel [1]; without it ``alarms_per_hour`` counts.
     alarms_per_hour: float = 1.0  #: False alarms an hour in the whole field: events, of which each frame is an independent look [1/h].
     injections: int = 400  #: Objects of each contrast tried.
@@ -59,38 +59,40 @@ class Design:
             raise DomainError(f"{self.alarms_per_hour:g} false alarms an hour; give a number above 0")
 
 
-def wanted_rate(found: Performance, wanted: Design) -> float:
-    """Rate per pixel that is asked for [1].
+def requested_rate(performance: Performance, request: Design) -> float:
+    """Return the requested rate of false alarms per pixel [1].
 
     Raises
     ------
     DomainError
         No frame rate.
     """
-    if wanted.p_fa is not None:
-        return wanted.p_fa
-    rate = found.options.frame_rate
+    if request.p_fa is not None:
+        return request.p_fa
+    rate = performance.options.frame_rate
     if rate is None:
         raise DomainError("false alarms an hour need the frame rate; give frame_rate, or p_fa")
-    index = found.tail.extremal_index
+    # Alarms are events of several pixels: the extremal index is events over pixels above the threshold.
+    index = performance.tail.extremal_index
     events = index if index == index and 0.0 < index <= 1.0 else 1.0
-    pixels = found.alarms.cells.pixels / found.judged.windows
-    return min(wanted.alarms_per_hour / (3600.0 * rate * pixels * events), 0.4)
+    pixels = performance.alarms.cells.pixels / performance.judged.windows
+    return min(request.alarms_per_hour / (3600.0 * rate * pixels * events), 0.4)
 
 
-def rate_threshold(found: Performance, wanted: Design) -> RateThreshold:
-    """Threshold of that rate.
+def rate_threshold(performance: Performance, request: Design) -> RateThreshold:
+    """Return the threshold of the requested rate.
 
     Raises
     ------
     DataError
-        A rate that is neither counted nor to be extrapolated.
+        A rate that can be neither counted nor extrapolated.
     """
-    return told_threshold(found.alarms, tail_from(found.judged, found.threshold, found.alarms, found.tail), wanted_rate(found, wanted))
+    tail = tail_from(performance.judged, performance.threshold, performance.alarms, performance.tail)
+    return threshold_or_count(performance.alarms, tail, requested_rate(performance, request))
 
 
-def told_threshold(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateThreshold:
-    """Threshold of a rate; where no tail can be fitted that of the few pixels above it, which is not to be believed.
+def threshold_or_count(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateThreshold:
+    """Return the threshold of a rate; where no tail can be fitted, an unreliable one from the few pixels above it.
 
     Raises
     ------
@@ -106,24 +108,22 @@ def told_threshold(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateT
             raise
         number = int(curve.exceedances[int(np.searchsorted(curve.threshold, sigma - 1e-9))])
         low, high = score_interval(number, curve.pixels, max(float(np.nan_to_num(count.per_pixel.inflation)), 1.0), math.inf, 0.95)
-        return RateThreshold(sigma, number / curve.pixels, low, high, "counted", believed=False)
+        return RateThreshold(sigma=sigma, p_fa=number / curve.pixels, low=low, high=high, how="counted", believed=False)
 
 
 def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, tail: RareTail) -> RareTail:
-    """The tail above three standard deviations or, where too little is there, above what leaves enough to fit.
+    """Return the tail above three standard deviations or, where too few pixels are there, above a threshold that leaves enough to fit.
 
     A field with a horizon or a corridor in it has a broad statistic that never comes far above its mean.
     """
     curve = count.alarms.curve()
+    # Enough pixels for a fit, but no more than a small share of all.
     lower = curve.threshold_for(min(TAIL_SHARE, max(MOST_EVENTS / max(curve.pixels, 1), FEWEST_PIXELS / max(curve.pixels, 1))))
     if tail.fit is not None or lower is None or not 0.0 < lower < LOWEST_THRESHOLD:
         return tail
     alarms = FalseAlarms((lower,))
-    nothing = np.full(judged.statistic.shape[1:], np.nan, np.float32)
-    for k in range(judged.windows):
-        if k and judged.place.sequences > 1 and k % judged.place.each == 0:
-            alarms.add(nothing)
-        alarms.add(judged.z(k, threshold.law))
+    for _ in judged.add_to(alarms, threshold.law):
+        pass
     return tail_above(judged, threshold.law, alarms.curve(), alarms.events(lower), lowest=lower)
 
 
@@ -131,21 +131,21 @@ def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, 
 class DesignFigures:
     """Contrast that a detector needs, and what clutter costs against white noise."""
 
-    #: ``p_d``, ``p_fa``: Share of objects found, and rate of false alarms per pixel [1].
+    #: ``p_d``, ``p_fa``: Share of detected objects, and rate of false alarms per pixel [1].
     p_d: float
     p_fa: float
     p_fa_interval: list[float | None]  #: Ends of the rate's 95 % interval [1].
-    alarms_per_hour: float | None  #: False alarms asked for [1/h]; None where the rate itself was.
+    alarms_per_hour: float | None  #: Requested false alarms [1/h]; None where the rate per pixel was requested.
     threshold_sigma: float  #: Threshold of that rate [standard deviations].
-    threshold_how: str  #: Way in which the rate is known: counted or extrapolated.
-    believed: bool  #: Whether it is to be believed.
+    threshold_how: str  #: Source of the rate: counted or extrapolated.
+    believed: bool  #: Whether the rate is reliable.
     contrast: float | None  #: Contrast needed; None where it cannot be stated in its unit.
     contrast_interval: list[float | None]  #: Ends of its interval.
     #: ``white_contrast``, ``white_sigma``: Contrast needed in white Gaussian noise of the same variance, and its standard deviation.
     white_contrast: float | None = None
     white_sigma: float | None = None
     loss_db: float | None = None  #: Ratio of the two contrasts [dB].
-    note: str | None = None  #: Why there is no comparison with white noise.
+    note: str | None = None  #: Reason why no comparison with white noise is given.
     #: ``contrast_pixel``, ``white_contrast_pixel``: Both contrasts in the pixel [units of the source], where ``contrast`` is stated in
     #: another unit.
     contrast_pixel: float | None = None
@@ -173,69 +173,67 @@ class DesignFigures:
         return asdict(self)
 
 
-def design(found: Performance, source: FrameSource, options: DetectionOptions, wanted: Design) -> DesignFigures:
-    """Contrast for a P_d at a rate of false alarms, and the loss against white Gaussian noise of the same variance.
+def design(performance: Performance, source: FrameSource, options: DetectionOptions, request: Design) -> DesignFigures:
+    """Return the contrast for a P_d at a rate of false alarms, and the loss against white Gaussian noise of the same variance.
 
     Raises
     ------
     SeaglintError
         A rate or a P_d that is not reached.
     """
-    at = rate_threshold(found, wanted)
-    objects = replace(options.objects, injections=wanted.injections)
-    found.judged.detector = detector_for(source, options)
+    at = rate_threshold(performance, request)
+    objects = replace(options.objects, injections=request.injections)
+    # The detector's process ended with the first evaluation: a new one for further objects.
+    performance.judged.detector = detector_for(source, options)
     try:
         with single_threaded_algebra():
-            needed = contrast_for(found.judged, source, objects, as_threshold(at, options.law), wanted.p_d)
+            needed = contrast_for(performance.judged, source, objects, as_threshold(at, options.law), request.p_d)
     finally:
-        _closed(found.judged)
+        _close(performance.judged)
     out = DesignFigures(
-        p_d=wanted.p_d,
+        p_d=request.p_d,
         p_fa=at.p_fa,
         p_fa_interval=[at.low, at.high],
-        alarms_per_hour=None if wanted.p_fa is not None else wanted.alarms_per_hour,
+        alarms_per_hour=None if request.p_fa is not None else request.alarms_per_hour,
         threshold_sigma=at.sigma,
         threshold_how=at.how,
         believed=at.believed,
         contrast=needed.contrast,
         contrast_interval=[needed.low, needed.high],
     )
-    if not wanted.white:
+    if not request.white:
         return out
     try:
-        white, sigma = white_contrast(source, options, wanted, at.p_fa)
+        white, sigma = white_contrast(source, options, request, at.p_fa)
         return replace(out, white_contrast=white, white_sigma=sigma, loss_db=loss_db(needed.contrast, white))
     except SeaglintError as error:
         return replace(out, note=f"white noise of the same variance: {error}")
 
 
-def white_contrast(source: FrameSource, options: DetectionOptions, wanted: Design, p_fa: float) -> tuple[float, float]:
-    """Contrast that the same detector needs in white Gaussian noise of the source's variance, and its standard deviation [u]."""
+def white_contrast(source: FrameSource, options: DetectionOptions, request: Design, p_fa: float) -> tuple[float, float]:
+    """Return the contrast that the same detector needs in white Gaussian noise of the source's variance, and its standard deviation [u]."""
     white = WhiteFrames.like(source, options.objects.seed)
     detector = detector_for(white, options)
     with single_threaded_algebra():
-        judged = Background(detector, white)
+        background = Background(detector, white)
         try:
             if detector.linear:
                 at = gaussian_threshold(p_fa)
             else:
-                four = judged.threshold(4.0, "sigma")
-                count = count_false_alarms(judged, four)
-                tail = tail_above(judged, four.law, count.alarms.curve(), count.alarms.events(LOWEST_THRESHOLD))
-                at = told_threshold(count, tail_from(judged, four, count, tail), p_fa)
-            objects = replace(options.objects, injections=wanted.injections)
-            return contrast_for(judged, white, objects, as_threshold(at), wanted.p_d).contrast, white.sigma
+                four = background.threshold(4.0, "sigma")
+                count = count_false_alarms(background, four)
+                tail = tail_above(background, four.law, count.alarms.curve(), count.alarms.events(LOWEST_THRESHOLD))
+                at = threshold_or_count(count, tail_from(background, four, count, tail), p_fa)
+            objects = replace(options.objects, injections=request.injections)
+            return contrast_for(background, white, objects, as_threshold(at), request.p_d).contrast, white.sigma
         finally:
-            _closed(judged)
+            _close(background)
 
 
-def _closed(judged: Background) -> None:
-    if isinstance(judged.detector, IsolatedDetector):
-        judged.detector.close()
+def _close(background: Background) -> None:
+    if isinstance(background.detector, IsolatedDetector):
+        background.detector.close()
 
-
-#: Detectors that are tried where none is stated; each looks at one frame, so that all of them share the frames.
-TRIED: Final = ("matched", "matched-global", "matched-local", "ca-cfar", "max-median")
 
 INJECTIONS: Final = 120  #: Most objects of each contrast that are tried for a choice; 120 of them know a P_d of 0.9 to 0.03.
 
@@ -262,7 +260,7 @@ def tried_detectors(
     contrast : float
         Contrast of the object in its pixel, above 0 [units of the source].
     design : Design
-        Wanted P_d and rate of false alarms.
+        Requested P_d and rate of false alarms.
     range_m : float
         Range at which these are the frames [m].
     """
@@ -272,31 +270,34 @@ def tried_detectors(
             margin = contrast_margin(source, replace(options, detector=name), contrast, design)
             note = None if margin is not None else f"it needs more than {1.0 / SMALLEST:g} times the contrast"
         except SeaglintError as error:
+            # A detector that fails is not chosen, and the others are tried.
             margin, note = None, str(error)
         out.append(TriedDetector(name, range_m, margin, note))
     return out
 
 
 def contrast_margin(source: FrameSource, options: DetectionOptions, contrast: float, design: Design) -> float | None:
-    """Return a contrast over the one at which the wanted P_d is reached, at most :data:`LARGEST` [1]; None below :data:`SMALLEST`.
+    """Return a contrast over the contrast at which the requested P_d is reached, at most :data:`LARGEST` [1]; None below :data:`SMALLEST`.
 
     P_d is counted at seventeen contrasts, taken to rise with the contrast, and interpolated in its logarithm.
 
     Raises
     ------
     SeaglintError
-        A detector that cannot judge the frames, or a rate of false alarms that they are too few for.
+        A detector that cannot evaluate the frames, or a rate of false alarms for which they are too few.
     """
     contrasts = tuple(float(value) for value in contrast * _FACTORS)
     objects = replace(options.objects, contrasts=contrasts, injections=min(options.objects.injections, INJECTIONS))
-    found = detect(source, replace(options, objects=objects), locate=False)
-    threshold = rate_threshold(found, design).sigma
-    rates = np.maximum.accumulate([by_windows(scores, threshold, options.level).rate for scores in found.trials.scores])
+    performance = detect(source, replace(options, objects=objects), locate=False)
+    threshold = rate_threshold(performance, design).sigma
+    # Chance may give a lower P_d at a larger contrast: the largest so far is taken.
+    rates = np.maximum.accumulate([by_windows(scores, threshold, options.level).rate for scores in performance.trials.scores])
     if rates[-1] < design.p_d:
         return None
     above = int(np.argmax(rates >= design.p_d))
     if above == 0:
         return LARGEST
+    # Linear in P_d between the two contrasts, in the logarithm of the contrast.
     between = float(np.interp(design.p_d, rates[above - 1 : above + 1], np.log(_FACTORS[above - 1 : above + 1])))
     return float(np.exp(-between))
 
@@ -313,7 +314,7 @@ def best_of(tried: Sequence[TriedDetector]) -> TriedDetector:
 
 
 def choice_line(tried: Sequence[TriedDetector], p_d: float) -> str:
-    """Return the margins of one range as text, the largest first.
+    """Return the margins at one range as text, the largest first.
 
     Examples
     --------

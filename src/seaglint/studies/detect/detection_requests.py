@@ -1,61 +1,61 @@
 """Requests for a detection study, one record for each kind: of a recording, of scenes, of the contrast needed, of the range.
 
-The commands ``seaglint detect recording``, ``scene``, ``design`` and ``range`` make their options from these records, and Python passes the
-same names. Importing this module loads nothing else: a help page needs it.
+The commands ``seaglint detect recording``, ``scene``, ``design`` and ``range`` make their options from these records, Python passes the
+same names, and the studies take the records themselves. Importing this module loads no numerical package: a help page needs it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal, Self
 
 from seaglint.base.parameters import Parameter
+from seaglint.detection.detector_names import CHOICE, TRIED
 from seaglint.studies.study_requests import ReadingRequest, WeightsFile, filter_of, values_of
 
 if TYPE_CHECKING:
-    from seaglint.clutter.filters import Filter
+    from collections.abc import Sequence
+
     from seaglint.detection.spot import SpotShape
-    from seaglint.detection.trials import InjectedObjects
     from seaglint.studies.detect.designer import Design
     from seaglint.studies.detect.injected import Strength
     from seaglint.studies.detect.performance import DetectionOptions
-    from seaglint.studies.detect.range_search import RangeOptions
-    from seaglint.studies.detect.rendered_seas import SceneOptions
 
+USUAL_THRESHOLD: Final = 4.0  #: Threshold of a request that states none, in the unit of its law.
 
-USUAL_DETECTOR: Final = "threshold"  #: Detector of a request that names none.
+RANGES: Final = (500.0, 40_000.0)  #: Nearest and farthest range that is tried where none are stated [m].
 
-USUAL_THRESHOLD: Final = 4.0  #: Threshold of a request that gives none, in the unit of its law.
+PRECISION: Final = 0.04  #: Share of the range at which its bisection ends where none is stated [1].
 
 
 @dataclass(frozen=True)
 class DetectorRequest:
     """Parameters that all kinds of request share: the detector and the injection of objects.
 
-    Each has a line of help. ``velocity`` is (down, right) in Python; ``kernel`` and ``signature`` are arrays or :class:`WeightsFile`.
+    Each has a line of help. ``kernel`` and ``signature`` are arrays or :class:`WeightsFile`; ``filter`` may also be a filter itself.
     """
+
+    usual_detector: ClassVar[str] = "threshold"  #: Detector of a request that names none.
 
     source: Annotated[str, Parameter("recording or scenario", "")]
     detector: Annotated[
         str | None,
         Parameter(
-            "threshold, matched, matched-global, matched-local, log, top-hat, max-mean, max-median, patch-image, ca-cfar, os-cfar, "
-            "os-cfar-exponential, temporal-profile, track-before-detect, frame-difference, integration, or package.module:function",
+            CHOICE,
             "Detector",
             subject="detector:",
-            python="Detector: threshold, matched, matched-global, matched-local, log, top-hat, max-mean, max-median, patch-image, ca-cfar, "
-            "os-cfar, os-cfar-exponential, temporal-profile, track-before-detect, frame-difference, integration, or "
-            "package.module:function.",
+            python=f"Detector: {CHOICE}.",
             detail="Where nothing is said `threshold`; of a recording without `contrast` matched-local; of a range the best of "
-            "matched, matched-global, matched-local, ca-cfar and max-median.",
+            f"{', '.join(TRIED[:-1])} and {TRIED[-1]}.",
         ),
     ] = None
     filter: Annotated[
-        str,
+        Any,
         Parameter(
             "before the detector: laplacian, difference-of-gaussians, median-subtraction, top-hat, matched, none",
             "Detector",
+            "name",
             python="Filter before the detector: laplacian, difference-of-gaussians, median-subtraction, top-hat or none.",
         ),
     ] = "none"
@@ -107,54 +107,63 @@ class DetectorRequest:
 
     @property
     def spot(self) -> SpotShape:
-        """Shape of the objects; of a request without one a spot of 0.8 px."""
+        """Shape of the objects; a spot of 0.8 px where none is stated."""
         from seaglint.detection.spot import GaussianSpot
 
         return GaussianSpot(0.8)
 
     @property
-    def usual_detector(self) -> str:
-        """Detector where none is named."""
-        return USUAL_DETECTOR
-
-    def injected(self, contrasts: tuple[float, ...]) -> InjectedObjects:
-        """Return the objects to inject, at some contrasts."""
-        from seaglint.detection.trials import InjectedObjects
-
-        return InjectedObjects(
-            self.spot,
-            contrasts,
-            self.injections,
-            self.placement,
-            self.match_radius,
-            (self.velocity[1], self.velocity[0]),
-            self.pointing,
-            self.seed,
-            self.duration,
-        )
+    def detector_name(self) -> str:
+        """Name of the detector, also where none is stated."""
+        return self.detector or self.usual_detector
 
     def detection(
-        self, contrasts: tuple[float, ...], frame_rate: float | None = None, pixel_deg: tuple[float, float] | None = None
+        self,
+        contrasts: tuple[float, ...] = (1.0,),
+        frame_rate: float | None = None,
+        pixel_deg: tuple[float, float] | None = None,
+        shape: SpotShape | None = None,
     ) -> DetectionOptions:
         """Return detector, filter, threshold and objects, for frames at that rate [Hz] with pixels of that angle [deg].
+
+        ``shape`` replaces the shape of the request, where a scene has its own.
 
         Raises
         ------
         DataError
-            A law of thresholds that there is not.
+            An unknown law of thresholds, or an unknown filter.
+        DomainError
+            Numbers that are not allowed.
         """
         from seaglint.base.errors import DataError
+        from seaglint.detection.trials import InjectedObjects
         from seaglint.studies.detect.performance import DetectionOptions
 
         if self.threshold_law not in ("sigma", "frame", "fixed", "design"):
             raise DataError(f"threshold_law = {self.threshold_law!r} is not one of sigma, frame, fixed, design; give one of them")
-        law, level, limit = self.threshold_law, self.level, self.time_limit
-        objects, chosen = self.injected(contrasts), self._filter()
-        detector, threshold = self.detector or self.usual_detector, USUAL_THRESHOLD if self.threshold is None else self.threshold
-        return DetectionOptions(objects, detector, chosen, threshold, law, level, frame_rate, pixel_deg, limit)
-
-    def _filter(self) -> Filter:
-        return filter_of(self.filter, self.kernel, self.signature)
+        right, down = self.velocity  # a user states (x, y), frames are indexed by (row, column)
+        objects = InjectedObjects(
+            shape=shape or self.spot,
+            contrasts=contrasts,
+            injections=self.injections,
+            placement=self.placement,
+            match_radius=self.match_radius,
+            velocity=(down, right),
+            pointing=self.pointing,
+            seed=self.seed,
+            duration=self.duration,
+        )
+        return DetectionOptions(
+            objects=objects,
+            detector=self.detector_name,
+            filter=filter_of(self.filter, self.kernel, self.signature) if isinstance(self.filter, str) else self.filter,
+            threshold=USUAL_THRESHOLD if self.threshold is None else self.threshold,
+            law=self.threshold_law,
+            level=self.level,
+            frame_rate=frame_rate,
+            pixel_deg=pixel_deg,
+            time_limit=self.time_limit,
+        )
 
 
 @dataclass(frozen=True)
@@ -197,7 +206,7 @@ class SpotRequest(DetectorRequest):
         Raises
         ------
         DataError
-            Two of them.
+            Two shapes are stated.
         """
         from seaglint.base.errors import DataError
         from seaglint.detection.spot import GaussianSpot, SampledSpot
@@ -229,8 +238,26 @@ class RecordingRequest(ReadingRequest, SpotRequest):
 
     @property
     def files(self) -> list[Path]:
-        """Files that are read beside the recording, which no result may replace."""
+        """Files that are read together with the recording, which no result may replace."""
         return [given.path for given in (self.kernel, self.signature, self.psf) if isinstance(given, WeightsFile)]
+
+    def pixel_deg(self, name: str) -> tuple[float, float] | None:
+        """Return the stated angle of a pixel, between rows and between columns [deg]; ``name`` is the beginning of the error.
+
+        Raises
+        ------
+        DataError
+            An angle outside 0 to 1000 mrad.
+        """
+        from math import degrees
+
+        from seaglint.base.errors import DataError
+
+        if self.pixel_mrad is None:
+            return None
+        if not 0 < self.pixel_mrad < 1000:
+            raise DataError(f"{name}{self.pixel_mrad:g}: give an angle above 0 and below 1000 mrad")
+        return (degrees(1e-3 * self.pixel_mrad),) * 2
 
 
 @dataclass(frozen=True)
@@ -254,18 +281,30 @@ class CasesRequest(DetectorRequest):
         """Largest number of independent seas of each case."""
         return 32 if self.frames is None else self.frames
 
-    def scene_options(self) -> SceneOptions:
-        """Return how each scene is judged."""
-        from seaglint.studies.detect.rendered_seas import SceneOptions
+    def require_valid(self) -> None:
+        """Refuse numbers that are not allowed, before anything is read or rendered.
 
-        return SceneOptions(self.detection((1.0,)), seas=self.seas)
+        Raises
+        ------
+        SeaglintError
+            The first of them.
+        """
+        from seaglint.base.errors import DomainError
+
+        self.detection()
+        if self.seas < 1:
+            raise DomainError(f"{self.seas} seas; give at least 1")
+
+    @property
+    def settings(self) -> tuple[Any, ...]:
+        """Everything except the scenario on which a result depends: results are stored under a digest of it."""
+        return (self.detection(), self.seas)
 
 
 @dataclass(frozen=True)
 class SceneRequest(CasesRequest, SpotRequest):
     """Request to evaluate a detector in independent rendered seas of a scenario."""
 
-    source: Annotated[str, Parameter("scenario file; 'seaglint init my.toml' writes one", "", metavar="SCENARIO.toml")]
     objects: Annotated[str | None, Parameter("of a scenario: point, gaussian, or the name of one of its [[objects]]", "Object")] = None
     temperature_difference: Annotated[
         tuple[float, ...] | None, Parameter("instead of `contrast`: apparent, to the field's mean [K]", "Object", "numbers")
@@ -280,12 +319,12 @@ class SceneRequest(CasesRequest, SpotRequest):
     time_budget: Annotated[float | None, Parameter("longest time for all cases [s]", "Scenes", least=0)] = None
 
     def strength(self) -> Strength | None:
-        """Return the contrasts as they are stated; None where nothing is said.
+        """Return the stated contrasts with their unit; None where none are stated.
 
         Raises
         ------
         DataError
-            Two statements of one thing, or the intensity of what is no point.
+            Contrasts in two units, or the intensity of an object that is no point.
         """
         from seaglint.base.errors import DataError
         from seaglint.studies.detect.injected import Strength
@@ -302,19 +341,36 @@ class SceneRequest(CasesRequest, SpotRequest):
         height = 5.0 if self.object_height_m is None else self.object_height_m
         return Strength(stated[0], "K" if self.intensity is None else "W/sr", self.range_m, height)
 
+    @property
+    def kind(self) -> str:
+        """Kind of the objects: point, gaussian, or the name of one of the scenario's objects."""
+        return self.objects or "point"
+
+    @property
+    def own_shape(self) -> SpotShape | None:
+        """Stated shape of the objects; None where the scene gives it."""
+        return self.spot if self.psf is not None or self.object_sigma_px is not None or self.kind == "gaussian" else None
+
     def design(self) -> Design | None:
-        """Return what is asked about needed contrasts; nothing."""
+        """Return the request for a needed contrast; None here."""
         return None
 
-    def scene_options(self) -> SceneOptions:
-        """Return how each scene is judged."""
-        from seaglint.studies.detect.rendered_seas import SceneOptions
+    def require_valid(self) -> None:
+        """Refuse numbers that are not allowed, see :meth:`CasesRequest.require_valid`."""
+        from seaglint.base.errors import DomainError
 
-        design = self.design()
-        own = self.psf is not None or self.object_sigma_px is not None or self.objects == "gaussian"
-        shape = self.spot if own else None
-        judged, strength = self.detection((1.0,)), self.strength()
-        return SceneOptions(judged, self.objects or "point", strength, shape, self.seas, self.precision, self.precision_fa, design)
+        self.design()
+        super().require_valid()
+        self.strength()
+        for name, value in (("precision", self.precision), ("precision of P_fa", self.precision_fa)):
+            if value is not None and not 0.0 < value < 1.0:
+                raise DomainError(f"{name} = {value:g} is not between 0 and 1; give e.g. 0.02")
+
+    @property
+    def settings(self) -> tuple[Any, ...]:
+        """Everything except the scenario on which a result depends, see :attr:`CasesRequest.settings`."""
+        scene = (self.kind, self.strength(), self.own_shape, self.precision, self.precision_fa, self.design())
+        return (*super().settings, *scene)
 
 
 @dataclass(frozen=True)
@@ -326,7 +382,7 @@ class RateRequest:
     p_d: Annotated[float | None, Parameter("P_d that is enough; default: 0.9", "Design")] = None
 
     def design(self) -> Design:
-        """Return P_d and rate as a record."""
+        """Return the P_d and the rate of false alarms at which an object counts as detected."""
         from seaglint.studies.detect.designer import Design
 
         return Design(self.p_d or 0.9, self.p_fa, self.alarms_per_hour or 1.0)
@@ -336,12 +392,15 @@ class RateRequest:
 class DesignRequest(RateRequest, SceneRequest):
     """Request for the contrast that an object needs, and for the loss against white noise."""
 
-    source: Annotated[str, Parameter("scenario file; 'seaglint init my.toml' writes one", "", metavar="SCENARIO.toml")]
-
 
 @dataclass(frozen=True)
 class RangeRequest(RateRequest, CasesRequest):
-    """Request for the range up to which an object of a scenario is detected."""
+    """Request for the range up to which an object of a scenario is detected.
+
+    Without a stated detector the matched filter gives the first estimate, and the range itself is that of the best of a short list.
+    """
+
+    usual_detector: ClassVar[str] = "matched"
 
     source: Annotated[str, Parameter("scenario file with [[objects]]", "", metavar="SCENARIO.toml")]
     object: Annotated[str | None, Parameter("which of the [[objects]]; may be left out where there is one", "Range", metavar="NAME")] = None
@@ -353,21 +412,31 @@ class RangeRequest(RateRequest, CasesRequest):
     precision: Annotated[float | None, Parameter("share of the range to which frames refine it; default: 0.04", "Range")] = None
 
     @property
-    def usual_detector(self) -> str:
-        """Detector where none is named, of a first estimate: the matched filter; the range itself is that of the best of a short list."""
-        return "matched"
+    def limits(self) -> tuple[float, float]:
+        """Nearest and farthest range that is tried [m]."""
+        return self.range_limits or RANGES
 
-    def range_options(self, names: list[str]) -> RangeOptions:
-        """Return what range is looked for, in a scenario that has objects of these names.
+    @property
+    def share(self) -> float:
+        """Share of the range at which the bisection ends [1]."""
+        return PRECISION if self.precision is None else self.precision
+
+    @property
+    def settings(self) -> tuple[Any, ...]:
+        """Everything except the scenario on which P_d at a range depends, see :attr:`CasesRequest.settings`."""
+        return (*super().settings, self.design())
+
+    def of_objects(self, names: Sequence[str]) -> Self:
+        """Return the request with its object's name, in a scenario that has objects of these names.
 
         Raises
         ------
         DataError
             No name, and not a single object.
+        DomainError
+            Ranges, precision, P_d or a rate that are not allowed.
         """
-        from seaglint.base.errors import DataError
-        from seaglint.studies.detect.designer import TRIED
-        from seaglint.studies.detect.range_search import RangeOptions
+        from seaglint.base.errors import DataError, DomainError
 
         name = self.object or (names[0] if len(names) == 1 else None)
         if not names:
@@ -376,6 +445,10 @@ class RangeRequest(RateRequest, CasesRequest):
             )
         if name is None:
             raise DataError(f"a range is that of one object; name it with object=NAME: {', '.join(names)}")
-        precision = RangeOptions.precision if self.precision is None else self.precision
-        detectors = TRIED if self.detector is None else ()
-        return RangeOptions(name, self.range_limits or RangeOptions.limits, self.design(), precision, detectors)
+        self.design()
+        near, far = self.limits
+        if not 0.0 < near < far:
+            raise DomainError(f"ranges from {near:g} to {far:g} m; give two rising numbers above 0")
+        if not 0.0 < self.share < 1.0:
+            raise DomainError(f"precision = {self.share:g} is not between 0 and 1; it is a share of the range, e.g. 0.04")
+        return replace(self, object=name)

@@ -1,4 +1,4 @@
-"""Signal injected into the frames of a scenario: its shape behind the sensor, and its contrast from what the user states."""
+"""Signal injected into the frames of a scenario: its shape behind the sensor, and its contrast from the statement of the user."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from seaglint.detection.spot import FineSpot, GaussianSpot, SpotShape
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.figures_of_merit import point_response
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.records.object_tables import Object
 from seaglint.studies.detect.scene_frames import IndependentSeas, sea_seed
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.scene_objects import DrawnImage
@@ -31,15 +32,14 @@ FINEST: Final = 5  #: Steps to a pixel, at least, at which a point's response is
 
 _AROUND = 20
 
-
-SWEEP: Final = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  #: Contrasts where none are stated [standard deviations of the clutter].
+SWEEP: Final = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  #: Contrasts by default [standard deviations of the clutter].
 
 
 @dataclass(frozen=True)
 class Strength:
-    """Contrasts as they are stated."""
+    """Contrasts in the unit in which they are stated."""
 
-    values: tuple[float, ...]  #: In ``unit``.
+    values: tuple[float, ...]  #: Contrasts in ``unit``.
     #: In-band radiance at the aperture, or apparent temperature, of an object that fills a pixel, against the field's mean; or the in-band
     #: intensity of a point before the path.
     unit: Unit = "W m-2 sr-1"
@@ -56,12 +56,12 @@ class Strength:
             raise DomainError("an intensity in W/sr is seen from a range; give range_m, above 0")
 
     def at_aperture(self, seas: IndependentSeas, mean: float) -> tuple[float, ...]:
-        """In-band contrast at the aperture, over the angle of a pixel [W m-2 sr-1]; ``mean``: the field's [W m-2 sr-1].
+        """Return the in-band contrasts at the aperture, over the angle of a pixel [W m-2 sr-1]; ``mean`` is the field's mean [W m-2 sr-1].
 
         Raises
         ------
         DomainError
-            A temperature that nothing has, a range beyond the air that is known.
+            A temperature below 100 K, or a range beyond the air that is known.
         """
         match self.unit:
             case "W m-2 sr-1":
@@ -71,6 +71,7 @@ class Strength:
             case "W/sr":
                 share = transmittance(seas, self.range_m or 0.0, self.height_m)
                 angle = seas.pixel_solid_angle
+                # The slant distance, from the difference of heights.
                 distance = math.hypot(self.range_m or 0.0, seas.sequence.scene.view.sensor_height - self.height_m)
                 return tuple(v * share / (distance**2 * angle) for v in self.values)
 
@@ -88,7 +89,7 @@ def _of_temperature(seas: IndependentSeas, mean: float, difference: float) -> fl
 
 
 def transmittance(seas: IndependentSeas, range_m: float, height_m: float) -> float:
-    """Mean over the band of the transmittance to a point, over the response alone, as points are drawn [1].
+    """Return the mean over the band of the transmittance to a point [1], weighted by the response alone, as for drawn points.
 
     Raises
     ------
@@ -101,9 +102,9 @@ def transmittance(seas: IndependentSeas, range_m: float, height_m: float) -> flo
 
 
 def fine_response(picture: NDArray[np.float64], steps: int, blur: Callable[[NDArray[np.float32]], NDArray[Any]]) -> FloatArray:
-    """Signal of the pixels, at every fine place, from a picture that has ``steps`` x ``steps`` values to a pixel; blur brings it to pixels.
+    """Return the signal of pixels at every fine place of a picture with ``steps`` x ``steps`` values to a pixel, blurred by ``blur``.
 
-    Element (i, j) is the value of a pixel centred on the picture's element i, j; half a fine pixel beside it where ``steps`` is even.
+    Element (i, j) is the value of a pixel centred on the picture's element i, j; half a fine pixel away from it where ``steps`` is even.
     """
     rows, columns = picture.shape
     out = np.zeros((rows, columns))
@@ -116,12 +117,12 @@ def fine_response(picture: NDArray[np.float64], steps: int, blur: Callable[[NDAr
 
 
 def spot_of(response: FloatArray, steps: int) -> tuple[FineSpot, float]:
-    """Shape about the largest value of a response, and that value with its sign.
+    """Return the shape about the largest value of a response, and that value with its sign.
 
     Raises
     ------
     DataError
-        A response of nothing.
+        A response that is 0 everywhere.
     """
     row, column = np.unravel_index(int(np.abs(response).argmax()), response.shape)
     peak = float(response[row, column])
@@ -129,6 +130,7 @@ def spot_of(response: FloatArray, steps: int) -> tuple[FineSpot, float]:
         raise DataError("the object leaves nothing in the picture: it is hidden, out of view, or as bright as what is behind it")
     whole = response / peak
     rim = [np.abs(whole) >= CUT]
+    # The faint rim is cut; the rest is rounded up to whole pixels about the peak.
     far = max(int(np.abs(np.nonzero(rim[0])[axis] - at).max()) for axis, at in ((0, row), (1, column)))
     half = min(max(-(-far // steps), 1), REACH) * steps
     padded = np.pad(whole, half)
@@ -136,9 +138,13 @@ def spot_of(response: FloatArray, steps: int) -> tuple[FineSpot, float]:
 
 
 def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
-    """A point behind the sensor, and its :func:`~seaglint.instrument.figures_of_merit.point_response`; without a sensor the pixel alone."""
+    """Return the shape of a point behind the sensor, and its :func:`~seaglint.instrument.figures_of_merit.point_response`.
+
+    Without a sensor the shape is a spot within one pixel.
+    """
     if model is None:
         return GaussianSpot(0.05), 1.0
+    # At least as fine as the rendering, and fine enough for displacements within a pixel.
     steps = max(model.oversampling, FINEST)
     steps += 1 - steps % 2  # an odd number has a fine pixel in the middle
     size = 2 * _AROUND + 1
@@ -150,78 +156,92 @@ def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
 
 
 def _blur(model: SensorModel, size: int, steps: int, *, points: bool = False) -> Callable[[NDArray[np.float32]], NDArray[Any]]:
-    """Optics, detector and stray light of a sensor on a small square picture, of means over its pixels or of points in them."""
+    """Return the blur of a sensor's optics, detector and stray light, for a small square picture of means over pixels or of points."""
     small = replace(model, circle=False, _transfers=type(model._transfers)())
     transfer = small.transfer((size * steps, size * steps), steps, points=points)
-    kept = 1.0 - model.optics.stray_share
-    return lambda picture: kept * transfer(picture)
+    direct = 1.0 - model.optics.stray_share
+    return lambda picture: direct * transfer(picture)
 
 
 @dataclass(frozen=True)
-class Seen:
-    """An object of a scenario as it is seen over the mean sea."""
+class ObjectSignal:
+    """Signal of an object of a scenario over the mean sea."""
 
-    shape: SpotShape  #: Of it, behind the sensor where there is one.
-    contrast: float  #: Of its brightest pixel, when it is centred there [W m-2 sr-1].
-    #: ``row``, ``column``: That pixel in the whole picture [px].
+    shape: SpotShape  #: Shape of the object, behind the sensor if the scenario has one.
+    contrast: float  #: Contrast of its brightest pixel, when it is centred there [W m-2 sr-1].
+    #: ``row``, ``column``: Place of that pixel in the whole picture [px].
     row: float
     column: float
-    columns: tuple[int, int] = (0, 0)  #: Columns that it is in, first and end [px].
-    whole: float = 0.0  #: Solid angle of it that is in view over the mean sea [sr]; of a point 1.
+    columns: tuple[int, int] = (0, 0)  #: First column of the object, and the column after the last [px].
+    whole: float = 0.0  #: Visible solid angle over the mean sea [sr]; 1 for a point.
     among: Scenario | None = None  #: The object alone among the scenario's waves; None where they are no geometry and hide nothing.
 
     def visible_shares(self, count: int, seas: IndependentSeas) -> FloatArray:
-        """Share of the object that independent seas leave in view, against the mean sea, which hides only what is under the horizon [1].
+        """Return the share of the object that independent seas leave visible, over the share that the mean sea leaves visible.
 
         Parameters
         ----------
         count : int
-            How many are drawn.
+            Number of seas.
         seas : IndependentSeas
-            Of the same scenario: what was made ready for its frames serves here too.
+            Seas of the same scenario, whose prepared tables are used here, too.
 
         Returns
         -------
         ndarray, shape (count,)
-            1 for each where no waves are geometry. A point is seen or not.
+            Shares [1]; 1 where no waves are geometry. A point is visible or not.
         """
         if self.among is None:
             return np.ones(count)
         sequence = seas.sequence.with_sea_of(self.among)
         fine = sequence.scene.pixels.columns // self.among.sensor.pixels[0]
-        part = self.columns[0] * fine, self.columns[1] * fine
-        seen = [_in_view(sequence.reseeded(sea_seed(self.among.seed, k)).drawn(0.0, part)) for k in range(count)]
-        return np.minimum(np.array(seen) / self.whole, 1.0)
+        columns = self.columns[0] * fine, self.columns[1] * fine
+        visible = [_in_view(sequence.reseeded(sea_seed(self.among.seed, k)).drawn(0.0, columns)) for k in range(count)]
+        return np.minimum(np.array(visible) / self.whole, 1.0)
 
 
 def _in_view(drawn: DrawnImage) -> float:
-    """Solid angle of the one object that is seen [sr]; of a point 1 or 0."""
+    """Return the visible solid angle of the single object [sr]; 1 or 0 for a point."""
     (sight,) = drawn.sights
     if sight.whole > 0.0:
         return sight.seen
     return float(any((share.radiance > 0.0).any() for share in sight.shares))
 
 
-def seen_object(scenario: Scenario, name: str) -> Seen:
+def item_of(scenario: Scenario, name: str) -> Object:
+    """Return the object of a name.
+
+    Raises
+    ------
+    DataError
+        No object of that name.
+    """
+    for item in scenario.objects or ():
+        if item.name == name:
+            return item
+    names = ", ".join(item.name for item in scenario.objects or ()) or "none"
+    raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
+
+
+def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
     """Draw one object over the mean sea, through path and sensor.
 
     Raises
     ------
     DataError
-        No object of that name, or nothing of it to be seen.
+        No object of that name, or nothing of it is visible.
     """
-    found = [item for item in scenario.objects or () if item.name == name]
-    if not found:
-        names = ", ".join(item.name for item in scenario.objects or ()) or "none"
-        raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
+    item = item_of(scenario, name)
     plain = scenario.render.model_copy(update={"layers": (), "apparent_temperature": False, "step_m": None})
-    alone = scenario.model_copy(update={"objects": tuple(found), "render": plain})
+    alone = scenario.model_copy(update={"objects": (item,), "render": plain})
+    # Over the mean sea: waves that are geometry would hide some of the object.
     calm = alone.model_copy(update={"sea": scenario.sea.model_copy(update={"resolve_waves": False})})
     if calm.sensor.senses:
         sensed = prepare_sensed(calm)
         sequence, steps, model = sensed.fine, sensed.sensed.oversampling, sensed.sensed.model
+        # Fewer than three steps to a pixel do not give a shape that can be displaced within it.
         if steps < 3 and scenario.render.oversampling is None:
-            return seen_object(scenario.model_copy(update={"render": scenario.render.model_copy(update={"oversampling": 3})}), name)
+            return object_signal(scenario.model_copy(update={"render": scenario.render.model_copy(update={"oversampling": 3})}), name)
     else:
         steps, model = 3, None
         columns, rows = calm.sensor.pixels
@@ -231,19 +251,20 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
     difference = drawn.layers.radiance.astype(np.float64) - drawn.sea
     if not np.abs(difference).any():
         raise DataError(f"object '{name}' leaves nothing in the picture: it is hidden, out of view, or as bright as what is behind it")
-    rows_seen, columns_seen = (np.nonzero(np.abs(difference).max(axis=axis))[0] for axis in (1, 0))
-    row, column = (int(v.mean()) // steps for v in (rows_seen, columns_seen))
-    reach = max(int(np.ptp(v)) // steps for v in (rows_seen, columns_seen)) // 2 + _AROUND
+    rows_lit, columns_lit = (np.nonzero(np.abs(difference).max(axis=axis))[0] for axis in (1, 0))
+    row, column = (int(v.mean()) // steps for v in (rows_lit, columns_lit))
+    reach = max(int(np.ptp(v)) // steps for v in (rows_lit, columns_lit)) // 2 + _AROUND
     size = 2 * reach + 1
+    # A margin, so that the object may lie at the border of the picture.
     padded = np.pad(difference, reach * steps)
     picture = padded[row * steps : (row + size) * steps, column * steps : (column + size) * steps]
-    if not drawn.sights[0].whole > 0.0:  # a point, wherever it stands in its pixel
+    if not drawn.sights[0].whole > 0.0:  # a point, wherever it lies in its pixel
         shape, share = point_shape(model)
         where = np.argwhere(difference).mean(axis=0)
         centre = [(float(at) + 0.5) / steps - 0.5 for at in where]
-        extent = int(columns_seen[0]) // steps, int(columns_seen[-1]) // steps + 1
+        extent = int(columns_lit[0]) // steps, int(columns_lit[-1]) // steps + 1
         among = alone if scenario.sea.resolve_waves else None
-        return Seen(shape, share * float(difference.sum()) / steps**2, centre[0], centre[1], extent, _in_view(drawn), among)
+        return ObjectSignal(shape, share * float(difference.sum()) / steps**2, centre[0], centre[1], extent, _in_view(drawn), among)
     if model is None:
         response = fine_response(picture, steps, lambda p: p.reshape(size, steps, size, steps).mean(axis=(1, 3)))
     else:
@@ -254,5 +275,5 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
         raise DataError(f"object '{name}': {error}") from error
     peak = np.unravel_index(int(np.abs(response).argmax()), response.shape)
     place = [(at - reach) + (float(p) + 0.5) / steps - 0.5 for at, p in zip((row, column), peak, strict=True)]
-    extent = int(columns_seen[0]) // steps, int(columns_seen[-1]) // steps + 1
-    return Seen(shape, contrast, place[0], place[1], extent, _in_view(drawn), alone if scenario.sea.resolve_waves else None)
+    extent = int(columns_lit[0]) // steps, int(columns_lit[-1]) // steps + 1
+    return ObjectSignal(shape, contrast, place[0], place[1], extent, _in_view(drawn), alone if scenario.sea.resolve_waves else None)

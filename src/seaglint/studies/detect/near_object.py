@@ -1,4 +1,4 @@
-"""Background near an object: rows of the sea, of the sky, or about the horizon, each less its own mean."""
+"""Background near an object: rows of the sea, of the sky, or about the horizon, each less its mean."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.detection.sources import FrameSource, PlainFrames
+from seaglint.detection.sources import DerivedFrames, FrameSource
 
 if TYPE_CHECKING:
     from seaglint.detection.interface import Frames
-    from seaglint.detection.sources import Counting
     from seaglint.detection.spot import SpotShape
     from seaglint.studies.detect.scene_frames import IndependentSeas
 
@@ -23,15 +22,17 @@ AROUND: Final = 24  #: Rows above and below the object whose statistics are thos
 
 MARGIN: Final = 3  #: Rows on either side of the horizon that optics blur into one another.
 
-FEWEST: Final = 20  #: Least number of rows of sea, or of sky, that are a background of their own; else it is that about the horizon.
+FEWEST: Final = (
+    20  #: Least number of rows of sea, or of sky, that are a separate background; fewer rows count as the background about the horizon.
+)
 
 
 @dataclass(frozen=True)
-class NearRows(PlainFrames):
+class NearRows(DerivedFrames):
     """Rows of a source, each less its mean over its columns in each frame.
 
     Sea brightens and sky darkens away from the horizon, in steps from row to row that are many times the clutter of a row. They are known
-    wherever the horizon is, so that no detector need take them for clutter.
+    wherever the horizon is, so that no detector must treat them as clutter.
     """
 
     source: FrameSource  #: Whole frames.
@@ -40,34 +41,14 @@ class NearRows(PlainFrames):
     end: int
 
     @property
-    def frames(self) -> int:
-        """Number of frames."""
-        return self.source.frames
-
-    @property
     def rows(self) -> int:
         """Rows taken [px]."""
         return self.end - self.first
 
     @property
-    def columns(self) -> int:
-        """Columns of a frame [px]."""
-        return self.source.columns
-
-    @property
-    def sequence_length(self) -> int:
-        """Number of frames of each independent sequence; 0 where all belong together."""
-        return self.source.sequence_length
-
-    @property
     def saturation(self) -> float | None:
         """Unknown: the means that are taken off differ from row to row."""
         return None
-
-    @property
-    def counting(self) -> Counting | None:
-        """Counting of an object's light."""
-        return self.source.counting
 
     def read(self, start: int, stop: int) -> Frames:
         """Frames ``start`` to ``stop`` (not included) [u]."""
@@ -98,6 +79,7 @@ def rows_to_horizon(seas: IndependentSeas, row: int, extent: int) -> int | None:
     rows = seas.size[0]
     high, low, dip = _elevations(seas)
     at = min(max(row, 0), rows - 1)
+    # Below the dip of the horizon is sea, above it sky.
     for like, sign in ((high < -dip, 1), (low > -dip, -1)):
         if like[max(at - extent, 0) : at + extent + 1].all():
             others = np.flatnonzero(~like)
@@ -128,11 +110,13 @@ def background_of(seas: IndependentSeas, row: int, half: int) -> tuple[Backgroun
     """
     rows = seas.size[0]
     high, low, dip = _elevations(seas)
+    # Optics blur the horizon over some rows, which are neither sea nor sky.
     apart = MARGIN * seas.pixel_deg[0]
     at = min(max(row, 0), rows - 1)
     window = np.zeros(rows, dtype=bool)
     window[max(at - AROUND, 0) : at + AROUND + 1] = True
     kinds: tuple[tuple[Background, np.ndarray], ...] = (("sea", high < -dip - apart), ("sky", low > -dip + apart))
+    # The rows of the object itself, with three more on either side.
     own = slice(max(at - half - 3, 0), at + half + 4)
     for kind, like in kinds:
         if like[own].all() and np.count_nonzero(like & window) >= min(FEWEST, rows):

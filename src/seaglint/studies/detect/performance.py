@@ -1,6 +1,6 @@
 """Detection performance by injection: frames without objects become P_d, P_fa, errors of place and the operating characteristic.
 
-Pictures of a judged detector: its characteristic, misses and false alarms cut out of the frames, where in the field they are.
+Chips are pictures of missed objects and false alarms cut out of the frames; a map has the false alarms over the field.
 """
 
 from __future__ import annotations
@@ -38,19 +38,19 @@ COVARIANCE_VALUES: Final = 4_000_000  #: Values of the frames, evenly spaced, fr
 
 @dataclass(frozen=True)
 class DetectionOptions:
-    """How to judge."""
+    """Detector, objects and threshold of an evaluation."""
 
-    objects: InjectedObjects  #: What is injected.
+    objects: InjectedObjects  #: Injected objects.
     detector: str = "threshold"  #: Name (:data:`seaglint.detection.named_detectors.NAMES`), or ``package.module:function``.
-    filter: Filter = field(default_factory=Unfiltered)  #: Before the detector.
-    threshold: float = 4.0  #: In the unit of ``law``.
-    law: Law = "sigma"  #: See :class:`seaglint.detection.background.Threshold`.
-    level: float = 0.95  #: Of the intervals [1].
+    filter: Filter = field(default_factory=Unfiltered)  #: Filter before the detector.
+    threshold: float = 4.0  #: Threshold in the unit of ``law``.
+    law: Law = "sigma"  #: Law of the threshold, see :class:`seaglint.detection.background.Threshold`.
+    level: float = 0.95  #: Confidence level of the intervals [1].
     frame_rate: float | None = None  #: Frames per second [Hz], for rates in time.
     #: Angle between rows and between columns [deg], for rates per square degree and errors in angle.
     pixel_deg: tuple[float, float] | None = None
-    time_limit: float = TIME_LIMIT  #: Of a call of a user's detector [s].
-    #: When to stop before all objects are tried (:func:`seaglint.detection.trials.run_trials`).
+    time_limit: float = TIME_LIMIT  #: Longest time of a call of a user's detector [s].
+    #: Condition to stop before all objects are tried (:func:`seaglint.detection.trials.run_trials`).
     enough: Callable[[Sequence[int]], str | None] | None = None
 
     def __post_init__(self) -> None:
@@ -60,33 +60,33 @@ class DetectionOptions:
 
 @dataclass(frozen=True)
 class Performance:
-    """Everything that JSON, tables and pictures are made of."""
+    """Performance of a detector, from which JSON, tables and pictures are made."""
 
-    source: str
-    size: tuple[int, int, int]
-    options: DetectionOptions
-    detector: Detector
-    threshold: Threshold
-    background: tuple[float, float]
-    border: int
-    alarms: FalseAlarmCount
-    judged: Background
-    trials: Trials
-    detections: tuple[Interval, ...]
-    tail: RareTail
-    notes: tuple[str, ...]
+    source: str  #: Name of the frames.
+    size: tuple[int, int, int]  #: Frames, rows and columns.
+    options: DetectionOptions  #: Detector, objects and threshold.
+    detector: Detector  #: Detector that was evaluated.
+    threshold: Threshold  #: Threshold of the results.
+    background: tuple[float, float]  #: Mean and standard deviation of the statistic without objects.
+    border: int  #: Width of the masked border [px].
+    alarms: FalseAlarmCount  #: False alarms.
+    judged: Background  #: Statistic without objects.
+    trials: Trials  #: Scores of the objects.
+    detections: tuple[Interval, ...]  #: P_d of each contrast with its interval.
+    tail: RareTail  #: Tail of the statistic, for rare false alarms.
+    notes: tuple[str, ...]  #: Remarks.
 
     def characteristic(self, number: int = 0) -> Roc:
-        """Operating characteristic of one of the contrasts."""
+        """Return the operating characteristic of one of the contrasts."""
         inflation = (self.alarms.per_pixel.inflation, self.detections[number].inflation)
         return roc(self.alarms.alarms.curve(), self.trials.scores[number], inflation, self.options.level)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: detection of each contrast, false alarms, and the notes."""
+        """Return the table that a notebook shows: detection of each contrast, false alarms, and the notes."""
         return shown(self.as_dict(), self.notes)
 
     def as_dict(self) -> JsonObject:
-        """Plain numbers and text; what is not known is None."""
+        """Return plain numbers and text; unknown numbers are None."""
         o, fa = self.options, self.alarms.per_pixel
         sweep = [self._contrast(k) for k in range(len(self.detections))]
         first = sweep[0]
@@ -125,21 +125,21 @@ class Performance:
         }
 
     def _contrast(self, k: int) -> JsonObject:
-        scores, found = self.trials.scores[k], self.detections[k]
+        scores, detected = self.trials.scores[k], self.detections[k]
         return {
             "contrast": scores.contrast,
             "injections": int(scores.score.size),
             "detected": int(scores.detected(self.threshold.sigma).sum()),
             "saturated": self.trials.saturated[k],
-            "p_d": _plain(found.rate),
-            "p_d_interval": found.ends,
-            "p_d_inflation": _plain(found.inflation),
-            "p_d_note": found.note,
+            "p_d": _plain(detected.rate),
+            "p_d_interval": detected.ends,
+            "p_d_inflation": _plain(detected.inflation),
+            "p_d_note": detected.note,
             "pointing_error": self._pointing(scores),
         }
 
     def _pointing(self, scores: Scores) -> JsonObject:
-        """Errors of place of the detected objects: across rows and columns, and along and across their motion."""
+        """Return errors of place of the detected objects: across rows and columns, and along and across their motion."""
         known = scores.error[np.isfinite(scores.error).all(axis=1)]
         axes: dict[str, NDArray[np.float64]] = {"row": known[:, 0], "column": known[:, 1]}
         speed = float(np.hypot(*self.options.objects.velocity))
@@ -167,6 +167,7 @@ class Performance:
         windows = self.judged.windows
         events = count.alarms.events(self.threshold.sigma)
         per_frame, per_frame_events = count.cells.exceedances / windows, len(events) / windows
+        # Solid angle of the valid pixels of a frame.
         area = None if o.pixel_deg is None else o.pixel_deg[0] * o.pixel_deg[1] * count.cells.pixels / windows
         rate = o.frame_rate
         gaussian = float(gaussian_rate(self.threshold.sigma))
@@ -189,16 +190,16 @@ class Performance:
     def _tail(self) -> JsonObject:
         fit, at = self.tail.fit, self.tail.at(self.threshold.sigma)
 
-        def told(found: RareRate) -> JsonObject:
+        def described(rare: RareRate) -> JsonObject:
             return {
-                "threshold_sigma": found.threshold_sigma,
-                "p_fa": found.rate,
-                "p_fa_interval": [found.low, found.high],
-                "believed": found.believed,
-                "p_d": [float(s.detected(found.threshold_sigma).mean()) for s in self.trials.scores],
+                "threshold_sigma": rare.threshold_sigma,
+                "p_fa": rare.rate,
+                "p_fa_interval": [rare.low, rare.high],
+                "believed": rare.believed,
+                "p_d": [float(s.detected(rare.threshold_sigma).mean()) for s in self.trials.scores],
             }
 
-        rare = [found for found in (self.tail.threshold_for(rate) for rate in RARE) if found is not None]
+        rates = [rare for rare in (self.tail.threshold_for(rate) for rate in RARE) if rare is not None]
         return {
             "note": self.tail.note,
             "fitted_above_sigma": None if fit is None else fit.threshold,
@@ -206,12 +207,12 @@ class Performance:
             "shape_interval": None if fit is None else list(fit.shape_interval),
             "events": None if fit is None else fit.events,
             "extremal_index": _plain(self.tail.extremal_index),
-            "at_threshold": None if at is None else told(at),
-            "rare": [told(found) for found in rare],
+            "at_threshold": None if at is None else described(at),
+            "rare": [described(rare) for rare in rates],
         }
 
     def rows(self) -> list[TableRow]:
-        """Tidy table: a row a contrast, with every parameter."""
+        """Return a tidy table: a row for each contrast, with every parameter."""
         whole = self.as_dict()
         parameters = (
             *("source", "frames", "rows", "columns", "detector", "filter", "object_sigma_px", "placement", "match_radius_px", "pointing"),
@@ -230,34 +231,34 @@ class Performance:
         return out
 
 
-def shown(found: Mapping[str, Any], texts: Iterable[str]) -> str:
-    """HTML of :meth:`Performance.as_dict` for a notebook: detection of each contrast, false alarms, and notes."""
+def shown(result: Mapping[str, Any], texts: Iterable[str]) -> str:
+    """Return HTML of :meth:`Performance.as_dict` for a notebook: detection of each contrast, false alarms, and notes."""
     names = ("contrast", "injections", "detected", "p_d", "p_d_interval")
-    rows = [tuple(line[name] for name in names) for line in found["sweep"]]
+    rows = [tuple(line[name] for name in names) for line in result["sweep"]]
     facts = [
-        f"detector {found['detector']}, filter {found['filter']}, threshold {found['threshold_sigma']:.4g} sigma",
-        f"false alarms per pixel {as_text(found['p_fa'])} ({as_text(found['p_fa_interval'])})",
+        f"detector {result['detector']}, filter {result['filter']}, threshold {result['threshold_sigma']:.4g} sigma",
+        f"false alarms per pixel {as_text(result['p_fa'])} ({as_text(result['p_fa_interval'])})",
     ]
-    return card(f"Detection in {found['source']}", notes(facts) + table(names, rows) + notes(texts))
+    return card(f"Detection in {result['source']}", notes(facts) + table(names, rows) + notes(texts))
 
 
 def detect(
     source: FrameSource, options: DetectionOptions, *, name: str = "frames", progress: Progress | None = None, locate: bool = True
 ) -> Performance:
-    """Judge a detector on frames without objects.
+    """Evaluate a detector on frames without objects.
 
     Parameters
     ----------
     source : FrameSource
         Frames: a recording, or anything that reads like one.
     options : DetectionOptions
-        What is injected, the detector, its threshold.
+        Injected objects, the detector and its threshold.
     name : str
-        Of the source, for the results.
+        Name of the source, for the results.
     progress : callable, optional
         Called with (steps done, steps in all): windows of the background, then objects.
     locate : bool
-        Whether the places of detected objects are estimated: two thirds of the time of the trials.
+        Whether the places of detected objects are estimated, which takes two thirds of the time of the trials.
 
     Raises
     ------
@@ -269,13 +270,14 @@ def detect(
     source = as_given(source, options)
     detector = detector_for(source, options)
     windows, injections = Windows.of(source, detector.lead).count, options.objects.injections
-    in_all = windows + injections
+    total = windows + injections
 
     def shown(before: int) -> Progress | None:
-        return None if progress is None else lambda done, _: progress(before + done, in_all)
+        return None if progress is None else lambda done, _: progress(before + done, total)
 
     try:
         with single_threaded_algebra():
+            # Objects that find no place are refused before the statistic of all frames is computed.
             options.objects.plan(detector, source) if windows else None
             background = Background(detector, source, shown(0))
             shift = level_shift(detector, source) if options.law == "fixed" else 0.0
@@ -288,43 +290,54 @@ def detect(
         if isinstance(detector, IsolatedDetector):
             detector.close()
     detections = tuple(alarms.cells.detection_interval(s, options.level) for s in trials.scores)
-    size = (source.frames, source.rows, source.columns)
-    notes = tuple(_notes(detector, options, trials, alarms, detections))
-    scale = (background.mean, background.sigma)
     return Performance(
-        name, size, options, detector, threshold, scale, background.border, alarms, background, trials, detections, tail, notes
+        source=name,
+        size=(source.frames, source.rows, source.columns),
+        options=options,
+        detector=detector,
+        threshold=threshold,
+        background=(background.mean, background.sigma),
+        border=background.border,
+        alarms=alarms,
+        judged=background,
+        trials=trials,
+        detections=detections,
+        tail=tail,
+        notes=tuple(_notes(detector, options, trials, alarms, detections)),
     )
 
 
 def as_given(source: FrameSource, options: DetectionOptions) -> FrameSource:
-    """The source in the file's own numbers where the detector's statistic depends on their level and no line tells how.
+    """Return the source in the file's own numbers where the detector's statistic depends on their level in an unknown way.
 
-    A recording takes a level off its frames for the sake of precision (:attr:`seaglint.analysis.Recording.offset`). Fixed thresholds
-    of statistics that are not linear, a user's function and the ratio of exponential clutter want it back.
+    A recording subtracts a level from its frames for the sake of precision (:attr:`seaglint.analysis.Recording.offset`). Fixed thresholds
+    of statistics that are not linear, a user's function and the ratio of exponential clutter need the level.
     """
-    wants = ":" in options.detector or "exponential" in options.detector
+    needs_level = ":" in options.detector or "exponential" in options.detector
     plain = isinstance(options.filter, Unfiltered)
-    return Rescaled(source, level=source.offset) if source.offset and plain and wants else source
+    return Rescaled(source, level=source.offset) if source.offset and plain and needs_level else source
 
 
 def detector_for(source: FrameSource, options: DetectionOptions) -> Detector:
-    """The detector of the options, with the covariances of the source where it takes them."""
+    """Return the detector of the options, with the covariances of the source where it needs them."""
 
     def background() -> Frames:
+        # Whole frames, as many as give that number of values, evenly spread over the source.
         most = max(int(COVARIANCE_VALUES / (source.rows * source.columns)), 1)
         chosen = np.unique(np.linspace(0, source.frames - 1, min(most, source.frames)).astype(int))
         frames = np.concatenate([source.read(int(k), int(k) + 1) for k in chosen])
         return options.filter.apply(frames)
 
     if ":" in options.detector:
-        found: Detector = IsolatedDetector(options.detector, options.time_limit)
+        detector: Detector = IsolatedDetector(options.detector, options.time_limit)
     else:
-        found = named_for(options.detector, options.objects.shape, background)
+        detector = named_for(options.detector, options.objects.shape, background)
     if isinstance(options.filter, Unfiltered):
-        return found
-    if isinstance(found, FilterThreshold) and isinstance(found.filter, Unfiltered):
+        return detector
+    # A filter before the plain threshold is that detector's own filter, and the result has its linearity.
+    if isinstance(detector, FilterThreshold) and isinstance(detector.filter, Unfiltered):
         return FilterThreshold(options.filter)
-    return Chain(options.filter, found)
+    return Chain(options.filter, detector)
 
 
 def _notes(
@@ -344,17 +357,18 @@ def _notes(
             notes.append(f"contrast {scores.contrast:g}: the detector returns NaN at {silent} objects; they count as missed")
     if min(options.objects.contrasts) < 0:
         notes.append("a contrast below 0 makes dark objects; thresholds are for bright ones")
-    said: dict[str, list[str]] = {}
-    for contrast, found in zip(options.objects.contrasts, detections, strict=True):
-        if found.note:
-            said.setdefault(found.note, []).append(f"{contrast:.3g}")
-    notes += [f"P_d of contrast {', '.join(contrasts)}: {note}" for note, contrasts in said.items()]
+    # One line for all contrasts of the same note.
+    by_note: dict[str, list[str]] = {}
+    for contrast, detected in zip(options.objects.contrasts, detections, strict=True):
+        if detected.note:
+            by_note.setdefault(detected.note, []).append(f"{contrast:.3g}")
+    notes += [f"P_d of contrast {', '.join(contrasts)}: {note}" for note, contrasts in by_note.items()]
     notes += [f"P_fa: {alarms.per_pixel.note}"] if alarms.per_pixel.note else []
     return notes
 
 
 def _plain(value: float) -> float | None:
-    """A number for JSON; None where there is none."""
+    """Return a number for JSON; None for NaN and infinity."""
     return float(value) if np.isfinite(value) else None
 
 
@@ -367,62 +381,62 @@ CHIPS: Final = 6  #: Pictures of each kind.
 HALF: Final = 12  #: Pixels from their middle to their edge [px].
 
 
-def chips(found: Performance, source: FrameSource) -> Chips:
-    """Pixels about missed objects, with the object in them, and about the highest false alarms.
+def chips(performance: Performance, source: FrameSource) -> Chips:
+    """Return pictures of missed objects, with the object in them, and of the highest false alarms.
 
-    Missed ones are the nearest to the threshold and the farthest from it in turn, of the contrast that is missed most nearly half the time.
+    The missed objects are the nearest to the threshold and the farthest from it, of the contrast that is missed most nearly half the time.
     """
-    threshold = found.threshold.sigma
-    events = found.alarms.alarms.events(threshold)
+    threshold = performance.threshold.sigma
+    events = performance.alarms.alarms.events(threshold)
     false = []
     for k in np.argsort(-events.peak, kind="stable")[:CHIPS]:
-        window = found.judged.place.of_event(int(events.first[k]))
-        frame = _last(found, source, min(window, found.judged.windows - 1))
+        window = performance.judged.place.of_event(int(events.first[k]))
+        frame = _last(performance, source, min(window, performance.judged.windows - 1))
         place = (int(events.row[k]), int(events.column[k]))
         false.append(Chip(float(events.peak[k]), window, *place, _cut(frame, *place)))
-    rates = [float((~s.detected(threshold)).mean()) for s in found.trials.scores]
-    lost = [k for k, rate in enumerate(rates) if rate > 0.0]
+    rates = [float((~s.detected(threshold)).mean()) for s in performance.trials.scores]
+    with_misses = [k for k, rate in enumerate(rates) if rate > 0.0]
     missed: list[Chip] = []
     contrast = None
-    if lost:
-        number = min(lost, key=lambda k: abs(rates[k] - 0.5))
-        scores = found.trials.scores[number]
+    if with_misses:
+        number = min(with_misses, key=lambda k: abs(rates[k] - 0.5))
+        scores = performance.trials.scores[number]
         contrast = scores.contrast
         below = np.flatnonzero(~scores.detected(threshold))
         order = below[np.argsort(-scores.score[below], kind="stable")]
         for k in [*order[: CHIPS // 2], *order[max(order.size - CHIPS // 2, CHIPS // 2) :]]:
             window, row, column = (int(v[k]) for v in (scores.window, scores.row, scores.column))
             batch = Batch(window, np.array([row]), np.array([column]), scores.offset[k : k + 1])
-            frame = _with_object(found, source, batch, contrast)
+            frame = _with_object(performance, source, batch, contrast)
             score = float(scores.score[k])
-            score = score if np.isfinite(score) else -99.0
+            score = score if np.isfinite(score) else -99.0  # JSON has no infinity
             missed.append(Chip(score, window, row, column, _cut(frame, row, column)))
     return Chips(tuple(missed), tuple(false), contrast)
 
 
-def characteristic(found: Performance, contrasts: Sequence[float]) -> dict[str, list[float]]:
-    """Operating characteristics below each other, with the contrasts as they were stated."""
-    curves = [found.characteristic(k) for k in range(len(contrasts))]
+def characteristic(performance: Performance, contrasts: Sequence[float]) -> dict[str, list[float]]:
+    """Return the operating characteristics one after the other, with the contrasts in their stated unit."""
+    curves = [performance.characteristic(k) for k in range(len(contrasts))]
     out = {"contrast": np.repeat(contrasts, [c.threshold.size for c in curves]).tolist()}
     for column in ("threshold_sigma", "p_fa", "p_fa_low", "p_fa_high", "p_d", "p_d_low", "p_d_high"):
         out[column] = np.concatenate([c.columns()[column] for c in curves]).tolist()
     return out
 
 
-def _last(found: Performance, source: FrameSource, window: int) -> Frames:
-    last = found.judged.place.start(window) + found.judged.lead
+def _last(performance: Performance, source: FrameSource, window: int) -> Frames:
+    last = performance.judged.place.start(window) + performance.judged.lead
     return np.asarray(source.read(last, last + 1)[0], np.float32)
 
 
-def _with_object(found: Performance, source: FrameSource, batch: Batch, contrast: float) -> Frames:
-    """Last frame of a window with an object as it was judged: counted by the sensor, cut at saturation."""
-    frame = _last(found, source, batch.window)
+def _with_object(performance: Performance, source: FrameSource, batch: Batch, contrast: float) -> Frames:
+    """Return the last frame of a window with an object as in the trials: counted by the sensor, cut at saturation."""
+    frame = _last(performance, source, batch.window)
     light = np.zeros_like(frame)[None]
-    objects = found.options.objects
+    objects = performance.options.objects
     inject(light, batch, objects.shape, contrast)
     counting = source.counting
     if counting is not None:
-        last = found.judged.place.start(batch.window) + found.judged.lead
+        last = performance.judged.place.start(batch.window) + performance.judged.lead
         light = counting.added(light, counting.draws(objects.seed, last, light.shape))
     lit: Frames = frame + light[0]
     if source.saturation is not None:
@@ -436,13 +450,14 @@ def _cut(frame: Frames, row: int, column: int) -> list[list[float | None]]:
     return [[float(f"{v:.6g}") if np.isfinite(v) else None for v in line] for line in part]
 
 
-def false_alarm_map(found: Performance, azimuth_deg: FloatArray, elevation_deg: FloatArray) -> FalseAlarmMap:
-    """False alarms and pixels of each tile of the field, with the tiles' edges as azimuth and elevation; in pixels where the field is no
-    grid of them.
+def false_alarm_map(performance: Performance, azimuth_deg: FloatArray, elevation_deg: FloatArray) -> FalseAlarmMap:
+    """Return false alarms and pixels of each tile of the field, with the tiles' edges as azimuth and elevation.
+
+    The edges are in pixels where the field is no grid of azimuth and elevation.
     """
-    cells = found.alarms.cells
+    cells = performance.alarms.cells
     sums = cells.sums[:, :2].sum(axis=0)
-    rows, columns = found.size[1:]
+    rows, columns = performance.size[1:]
     edges = [np.minimum(np.arange(n + 1) * cells.tile, size) for n, size in zip(sums.shape[1:], (rows, columns), strict=True)]
     grid = azimuth_deg.ndim == 1
     axes = [_at_edges(e, values) if grid else e for e, values in zip(edges, (elevation_deg, azimuth_deg), strict=True)]
@@ -451,7 +466,8 @@ def false_alarm_map(found: Performance, azimuth_deg: FloatArray, elevation_deg: 
 
 
 def _at_edges(edges: np.ndarray, centres: FloatArray) -> FloatArray:
-    """Angles of the edges of pixels."""
+    """Return the angles of the edges of tiles, evenly spaced between the first and the last centre."""
+    # Azimuths may pass from 360 to 0 within the field.
     unwrapped = np.unwrap(centres, period=360.0)
     return (
         np.interp(edges - 0.5, np.arange(centres.size), unwrapped)

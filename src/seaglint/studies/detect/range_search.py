@@ -1,10 +1,8 @@
-"""Object of a scenario at a range along the line of sight.
+"""Range up to which an object of a scenario is detected: bisection over the range, where path, size and clutter change together.
 
-Reasons for which a range of detection is to be doubted.
-
-First estimate of a range of detection, in seconds: the object's contrast, the deviation of a few small seas, and the Gaussian law.
-
-How far an object of a scenario is detected: bisection over the range, path, size and clutter changing together.
+The object is placed at a range along the line of sight (:func:`placed_at`). A first estimate takes seconds: the object's contrast, the
+deviation of a few small seas, and the Gaussian law (:func:`first_estimate`). Frames refine it (:func:`detection_range`), and
+:func:`doubts` lists the reasons for which the range is unreliable.
 """
 
 from __future__ import annotations
@@ -14,7 +12,7 @@ import itertools
 import math
 import pickle
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -23,9 +21,9 @@ from scipy.special import ndtr, ndtri
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
-from seaglint.base.errors import DataError, DomainError
-from seaglint.clutter.filters import Unfiltered
+from seaglint.base.errors import DataError
 from seaglint.detection.design import by_windows
+from seaglint.detection.detector_names import TRIED
 from seaglint.detection.matched import Matched
 from seaglint.detection.sources import FrameSource, Rescaled
 from seaglint.scenario.changed_scenario import middle_of
@@ -33,29 +31,50 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
 from seaglint.store.detection_results import DetectionRange, Parts, RangePoint, TriedDetector
 from seaglint.studies.detect.designer import SMALLEST, Design, best_of, choice_line, rate_threshold, tried_detectors
-from seaglint.studies.detect.injected import Seen, seen_object
+from seaglint.studies.detect.injected import ObjectSignal, item_of, object_signal
 from seaglint.studies.detect.near_object import AROUND, Background, NearRows, background_of, half_height, less_row_means, rows_to_horizon
 from seaglint.studies.detect.performance import DetectionOptions, detect
-from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of
+from seaglint.studies.detect.rendered_seas import lead_of
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
 if TYPE_CHECKING:
     from seaglint.detection.spot import SpotShape
+    from seaglint.studies.detect.detection_requests import RangeRequest
+
+ESTIMATED: Final = 0.12  #: Share of the range at which its first estimate ends.
+
+ALIKE: Final = 1.6  #: Margin of contrast, or its inverse, up to which a list of detectors is not tried again: 1.2 in range.
+
+ROUNDS: Final = 4  #: Ranges at which a list of detectors is tried at most.
+
+STEP: Final = 1.25  #: Factor by which the frames look to either side of the first estimate.
+
+_ROWS: Final = 2 * AROUND + 16  #: Rows that are rendered about an object that is small in them.
+
+ROWS: Final = 1  #: Rows above and below the object's own in which it is injected: the sea there is as far away.
+
+COLUMNS: Final = 96  #: Columns about the object that are drawn for an estimate.
+
+SEAS: Final = 3  #: Seas of that size that are drawn at each range.
+
+_OFFSETS: Final = (np.arange(5) + 0.5) / 5 - 0.5  #: Places of the object within its pixel [px].
+
+_ROLL = "the mean of each row was removed, so expect less of a camera that rolls"
 
 
 def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float | None) -> Scenario:
-    """The scenario with the object at a range along the line of sight, in the middle of the picture.
+    """Return the scenario with the object at a range along the line of sight, in the middle of the picture.
 
     Parameters
     ----------
     scenario : Scenario
-        With a sensor that stands.
+        Scenario with a sensor at rest.
     name : str
-        Of the object; it stays there, whatever its course.
+        Name of the object; it stays there, whatever its course.
     range_m : float
-        Along the sea [m].
+        Range along the sea [m].
     bearing_deg : float, optional
-        Of object and line of sight from the Sun's azimuth, clockwise [deg]; the sensor's own azimuth where nothing is said.
+        Bearing of object and line of sight from the Sun's azimuth, clockwise [deg]; by default the sensor's azimuth is kept.
 
     Raises
     ------
@@ -64,19 +83,17 @@ def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float 
     """
     if scenario.platform is not None:
         raise DataError("the range of detection is that of a sensor that stands; leave [platform] out")
-    found = [item for item in scenario.objects or () if item.name == name]
-    if not found:
-        names = ", ".join(item.name for item in scenario.objects or ()) or "none"
-        raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
+    item = item_of(scenario, name)
     sensor = scenario.sensor
     azimuth = sensor.azimuth_deg
     if bearing_deg is not None:
         azimuth = (math.degrees(sun_position(scenario).azimuth) + bearing_deg) % 360.0
     towards = math.radians(azimuth)
-    item = found[0]
     height = item.height_m if item.height_m is not None else 0.0
+    # The sea falls below the horizontal by the square of the range: the elevation is that of the object over the round Earth.
     drop = range_m**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)
     elevation = math.degrees(math.atan2(height - sensor.height_m - drop, range_m))
+    # Whatever moves the object is taken away: it stays at its place.
     rest = {"track": None, "keyframes": None, "course_deg": None, "speed_m_s": None, "latitude_deg": None, "longitude_deg": None}
     heading = item.heading_deg if item.heading_deg is not None else item.course_deg
     place = {"east_m": range_m * math.sin(towards), "north_m": range_m * math.cos(towards), "heading_deg": heading}
@@ -85,11 +102,8 @@ def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float 
     return scenario.model_copy(update={"objects": (moved,), "sensor": looking})
 
 
-_ROLL = "the mean of each row was removed, so expect less of a camera that rolls"
-
-
 def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[str]:
-    """Return why a range is to be doubted: P_d that rises with the range, thresholds beyond belief, what lies behind the object.
+    """Return the reasons why a range is unreliable: P_d that rises with the range, an unreliable threshold, the horizon or the sky behind.
 
     Examples
     --------
@@ -113,7 +127,7 @@ def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[st
 
 
 def horizon_note(point: RangePoint) -> str | None:
-    """Return where the horizon is, as far as it matters: behind the object, in the detector's window, or in the rows of the statistics.
+    """Return the place of the horizon where it matters: behind the object, in the detector's window, or in the rows of the statistics.
 
     Examples
     --------
@@ -138,15 +152,8 @@ def horizon_note(point: RangePoint) -> str | None:
     return None
 
 
-COLUMNS: Final = 96  #: Columns about the object that are drawn for an estimate.
-
-SEAS: Final = 3  #: Seas of that size that are drawn at each range.
-
-_OFFSETS: Final = (np.arange(5) + 0.5) / 5 - 0.5  #: Places of the object within its pixel [px].
-
-
-def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
-    """P_d of a matched filter by the Gaussian law: no frame is searched.
+def estimated_p_d(placed: Scenario, target: ObjectSignal, design: Design) -> float:
+    """Return P_d of a matched filter by the Gaussian law, without any search in frames.
 
     ``P_d = < Q(Q^-1(P_fa) - v c g / sigma) >`` over the places in the pixel and the seas, with the contrast ``c``, the share ``v`` of the
     object that waves leave in view, the filter's answer ``g`` and the standard deviation ``sigma`` of the filtered rows near the object.
@@ -154,18 +161,19 @@ def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
     Parameters
     ----------
     placed : Scenario
-        With the object in the middle of the picture.
-    seen : Seen
-        The object there.
+        Scenario with the object in the middle of the picture.
+    target : ObjectSignal
+        Signal of the object there.
     design : Design
         Rate of false alarms.
     """
     seas = IndependentSeas.of(placed)
-    _, first, end = background_of(seas, round(seen.row), seen.shape.half)
-    detector = Matched(seen.shape.stamps(np.zeros((1, 2)))[0])
+    _, first, end = background_of(seas, round(target.row), target.shape.half)
+    detector = Matched(target.shape.stamps(np.zeros((1, 2)))[0])
     frames = np.concatenate([seas.sea(number, 1) for number in range(SEAS)])
     rows, columns = frames.shape[1:]
     statistic = detector(less_row_means(frames[:, first:end]))
+    # Rows and columns near the border repeat pixels; a third of the picture remains in any case.
     reach = min(detector.reach, (end - first) // 3, columns // 3)
     inner = statistic[:, reach : end - first - reach, reach : columns - reach]
     sigma = float(np.std(inner, dtype=np.float64))
@@ -173,53 +181,20 @@ def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
         return 1.0
     rate = design.p_fa
     if rate is None:
+        # Each pixel counts as a separate alarm here; a rate near one half has no threshold above the mean.
         rate = min(design.alarms_per_hour / (3600.0 * placed.sensor.frame_rate_hz * rows * columns), 0.4)
-    answer = answers(seen.shape, detector)
-    shares = seen.visible_shares(SEAS, seas)
-    signal = np.multiply.outer(shares, answer) * abs(seen.contrast) / sigma
+    answer = answers(target.shape, detector)
+    shares = target.visible_shares(SEAS, seas)
+    signal = np.multiply.outer(shares, answer) * abs(target.contrast) / sigma
     return float(np.where(signal > 0.0, ndtr(signal + ndtri(rate)), 0.0).mean())
 
 
 def answers(shape: SpotShape, detector: Matched) -> FloatArray:
-    """Largest answer of the filter among the pixels of an object of contrast 1, for places within its pixel [1]."""
+    """Return the largest answer of the filter among the pixels of an object of contrast 1, for places within its pixel [1]."""
     down, right = np.meshgrid(_OFFSETS, _OFFSETS, indexing="ij")
     stamps = np.asarray(shape.stamps(np.stack([down.ravel(), right.ravel()], axis=1)), np.float32)
     wide = np.pad(stamps, ((0, 0), (detector.reach,) * 2, (detector.reach,) * 2))
     return np.asarray(detector(wide).max(axis=(1, 2)), np.float64)
-
-
-PRECISION: Final = 0.04  #: Share of the range at which the bisection ends.
-
-ESTIMATED: Final = 0.12  #: Share of the range at which its first estimate ends.
-
-ALIKE: Final = 1.6  #: Margin of contrast, or its inverse, up to which a list of detectors is not tried again: 1.2 in range.
-
-ROUNDS: Final = 4  #: Ranges at which a list of detectors is tried at most.
-
-STEP: Final = 1.25  #: Factor by which the frames look to either side of the first estimate.
-
-_ROWS: Final = 2 * AROUND + 16  #: Rows that are rendered about an object that is small in them.
-
-ROWS: Final = 1  #: Rows above and below the object's own in which it is injected: the sea there is as far away.
-
-
-@dataclass(frozen=True)
-class RangeOptions:
-    """Request for a range of detection."""
-
-    name: str  #: Name of the object.
-    limits: tuple[float, float] = (500.0, 40_000.0)  #: Nearest and farthest range tried [m].
-    design: Design = field(default_factory=Design)  #: P_d at which the object counts as detected, and at which rate of false alarms.
-    precision: float = PRECISION  #: Share of the range at which the bisection ends [1].
-    #: Detectors among which the best is chosen at the first estimate; where there is none, the one of the options is taken.
-    detectors: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        near, far = self.limits
-        if not 0.0 < near < far:
-            raise DomainError(f"ranges from {near:g} to {far:g} m; give two rising numbers above 0")
-        if not 0.0 < self.precision < 1.0:
-            raise DomainError(f"precision = {self.precision:g} is not between 0 and 1; it is a share of the range, e.g. 0.04")
 
 
 @dataclass(frozen=True)
@@ -228,86 +203,92 @@ class _Placed:
 
     near: FrameSource  #: Frames without the object, with their sign turned where it is dark.
     options: DetectionOptions  #: With the object's shape, in its rows.
-    seen: Seen  #: The object.
-    shares: FloatArray  #: Share of it that each sea leaves in view [1].
+    target: ObjectSignal  #: The object.
+    shares: FloatArray  #: Visible share of the object in each sea [1].
     background: Background  #: Rows whose statistics are taken.
     horizon_rows: int | None  #: Rows from the object to the horizon [px].
-    frames: str  #: Name of the kept frames.
+    frames: str  #: Name of the stored frames.
 
 
-def _placed(whole: Scenario, wanted: SceneOptions, name: str, parts: Parts, in_view: float = 0.0) -> _Placed:
-    """Draw the object, and the seas about it unless they are kept.
+def _placed(whole: Scenario, request: RangeRequest, parts: Parts, in_view: float = 0.0) -> _Placed:
+    """Draw the object of a request, and the seas about it unless they are stored.
 
     Raises
     ------
     DataError
-        Nothing of it is seen, or it is hidden in all seas, or seen in less than a share ``in_view`` of them.
+        Nothing of the object is visible, or it is hidden in all seas, or visible in less than a share ``in_view`` of them.
     """
-    scene, seen = seen_nearby(whole, name)
+    name = request.object or ""
+    scene, target = seen_nearby(whole, name)
     seas = IndependentSeas.of(scene)
-    shares = seen.visible_shares(wanted.seas, seas)
+    shares = target.visible_shares(request.seas, seas)
     if not shares.any():
-        raise DataError(f"object '{name}' is hidden behind waves in all of {wanted.seas} seas")
+        raise DataError(f"object '{name}' is hidden behind waves in all of {request.seas} seas")
     if np.count_nonzero(shares) < in_view * shares.size:
-        raise DataError(f"object '{name}' is hidden behind waves in {np.count_nonzero(shares == 0.0)} of {wanted.seas} seas")
-    length = lead_of(wanted.options, seen.shape) + 1
-    kept = frames_key(scene, length)
-    source = SceneFrames(seas, parts.frames(kept), length)
-    source.grow(wanted.seas)
-    background, first, end = background_of(seas, round(seen.row), seen.shape.half)
-    near = NearRows(source, first, end)
-    row = round(seen.row) - first
-    objects = replace(wanted.options.objects, shape=seen.shape, only_rows=(row - ROWS, row + ROWS + 1))
-    options = replace(wanted.options, objects=objects, frame_rate=scene.sensor.frame_rate_hz, pixel_deg=seas.pixel_deg)
-    horizon = rows_to_horizon(seas, round(seen.row), half_height(seen.shape))
-    return _Placed(Rescaled(near, -1.0) if seen.contrast < 0 else near, options, seen, shares, background, horizon, kept)
+        raise DataError(f"object '{name}' is hidden behind waves in {np.count_nonzero(shares == 0.0)} of {request.seas} seas")
+    length = lead_of(request.detector_name, request.time_limit, target.shape) + 1
+    key = frames_key(scene, length)
+    source = SceneFrames(seas, parts.frames(key), length)
+    source.grow(request.seas)
+    background, first, end = background_of(seas, round(target.row), target.shape.half)
+    near: FrameSource = NearRows(source, first, end)
+    row = round(target.row) - first
+    options = request.detection((1.0,), scene.sensor.frame_rate_hz, seas.pixel_deg, target.shape)
+    options = replace(options, objects=replace(options.objects, only_rows=(row - ROWS, row + ROWS + 1)))
+    return _Placed(
+        near=Rescaled(near, -1.0) if target.contrast < 0 else near,
+        options=options,
+        target=target,
+        shares=shares,
+        background=background,
+        horizon_rows=rows_to_horizon(seas, round(target.row), half_height(target.shape)),
+        frames=key,
+    )
 
 
-def _key(kind: str, whole: Scenario, wanted: SceneOptions, asked: RangeOptions) -> str:
-    """Return the name of a kept part: what it is of, and a digest of all that it depends on."""
-    content = (whole.model_dump_json(), wanted, asked.design, *([asked.detectors] if kind == "choice" else []))
+def _key(kind: str, whole: Scenario, *settings: object) -> str:
+    """Return the name of a stored part: its kind, and a digest of the scenario and of the settings on which it depends."""
+    content = (whole.model_dump_json(), *settings)
     return f"{kind}-{hashlib.sha256(pickle.dumps(content, protocol=5)).hexdigest()[:16]}"
 
 
-def p_d_at(
-    scenario: Scenario, wanted: SceneOptions, asked: RangeOptions, range_m: float, bearing: float | None, parts: Parts
-) -> RangePoint:
-    """P_d of the object at one range at the threshold of the wanted rate; 0 with a note where nothing of it is seen.
+def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: float | None, parts: Parts) -> RangePoint:
+    """Return P_d of the object at one range, at the threshold of the requested rate; 0 with a note where nothing of it is visible.
 
-    Waves that are geometry hide some of the object: as many seas as there are frames of say which share is seen, and P_d is the mean over
-    them of that at the share's part of the contrast.
+    Resolved waves hide some of the object. As many seas as there are frames give its visible share, and P_d is the mean over these seas of
+    P_d at that share of the contrast.
     """
-    whole = placed_at(scenario, asked.name, range_m, bearing)
-    key = _key("range", whole, wanted, asked)
-    kept = parts.case(key)
-    if kept is not None:
-        return RangePoint.of(kept)
+    whole = placed_at(scenario, request.object or "", range_m, bearing)
+    key = _key("range", whole, *request.settings)
+    stored = parts.case(key)
+    if stored is not None:
+        return RangePoint.of(stored)
     try:
-        placed = _placed(whole, wanted, asked.name, parts)
+        placed = _placed(whole, request, parts)
     except DataError as error:
         point = RangePoint(range_m, note=str(error))
     else:
         levels, weights = levels_of(placed.shares)
-        contrasts = tuple(float(abs(placed.seen.contrast) * level) for level in levels)
+        contrasts = tuple(float(abs(placed.target.contrast) * level) for level in levels)
         options = replace(placed.options, objects=replace(placed.options.objects, contrasts=contrasts))
-        found = detect(placed.near, options, name=asked.name, locate=False)
-        at = rate_threshold(found, asked.design)
-        rates = [by_windows(scores, at.sigma, options.level) for scores in found.trials.scores]
+        performance = detect(placed.near, options, name=request.object or "", locate=False)
+        at = rate_threshold(performance, request.design())
+        rates = [by_windows(scores, at.sigma, options.level) for scores in performance.trials.scores]
         p_d, ends = _over_seas([rate.rate for rate in rates], [rate.ends for rate in rates], weights, placed.shares.size)
         dark = "darker than what is behind it: the detector looks for dark objects"
         point = RangePoint(
-            range_m,
-            p_d,
-            ends,
+            range_m=range_m,
+            p_d=p_d,
+            p_d_interval=ends,
             visible_share=float(placed.shares.mean()),
-            contrast_pixel=placed.seen.contrast,
+            contrast_pixel=placed.target.contrast,
             threshold_sigma=at.sigma,
-            note=dark if placed.seen.contrast < 0 else None,
+            note=dark if placed.target.contrast < 0 else None,
             believed=at.believed,
-            background_sigma=found.background[1],
+            background_sigma=performance.background[1],
             background=placed.background,
             horizon_rows=placed.horizon_rows,
-            window_rows=found.detector.reach,
+            window_rows=performance.detector.reach,
             detector=options.detector,
         )
         parts.forget_frames(placed.frames)
@@ -316,46 +297,51 @@ def p_d_at(
 
 
 def tried_at(
-    scenario: Scenario, wanted: SceneOptions, asked: RangeOptions, range_m: float, bearing: float | None, parts: Parts
+    scenario: Scenario,
+    request: RangeRequest,
+    range_m: float,
+    bearing: float | None,
+    parts: Parts,
+    names: Sequence[str] = TRIED,
 ) -> list[TriedDetector]:
-    """Margins of the detectors among which one is chosen, at one range; the frames are kept for its P_d.
+    """Return the margins of contrast of some detectors at one range; the frames stay stored for its P_d.
 
     Raises
     ------
     DataError
-        Nothing of the object is seen.
+        Nothing of the object is visible.
     """
-    whole = placed_at(scenario, asked.name, range_m, bearing)
-    key = _key("choice", whole, wanted, asked)
-    kept = parts.case(key)
-    if kept is not None:
-        return [TriedDetector(**one) for one in kept["tried"]]
-    goal = asked.design.p_d
-    placed = _placed(whole, with_detector(wanted, asked.detectors[0], keep_filter=True), asked.name, parts, goal)
-    # what is left in view in so many seas as the object is to be detected in: the mean share says too much where waves hide it
-    contrast = abs(placed.seen.contrast) * float(np.quantile(placed.shares, 1.0 - goal, method="higher"))
-    tried = tried_detectors(asked.detectors, placed.near, placed.options, contrast, asked.design, range_m)
+    whole = placed_at(scenario, request.object or "", range_m, bearing)
+    key = _key("choice", whole, *request.settings, names)
+    stored = parts.case(key)
+    if stored is not None:
+        return [TriedDetector(**one) for one in stored["tried"]]
+    design = request.design()
+    placed = _placed(whole, replace(request, detector=names[0]), parts, design.p_d)
+    # The share that is visible in as many seas as the object is to be detected in: the mean share is too large where waves hide the object.
+    contrast = abs(placed.target.contrast) * float(np.quantile(placed.shares, 1.0 - design.p_d, method="higher"))
+    tried = tried_detectors(names, placed.near, placed.options, contrast, design, range_m)
     parts.keep_case(key, {"tried": [asdict(one) for one in tried]})
     return tried
 
 
-def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, Seen]:
-    """Return the scenario with the rows about the object alone, and the object as it is seen there.
+def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, ObjectSignal]:
+    """Return the scenario with only the rows about the object, and the signal of the object there.
 
     Raises
     ------
     DataError
-        Nothing of it is seen.
+        Nothing of the object is visible.
     """
     scene = middle_of(whole, _ROWS)
-    seen = seen_object(scene, name)
-    if 2 * seen.shape.half < AROUND:
-        return scene, seen
-    return whole, seen if scene is whole else seen_object(whole, name)
+    target = object_signal(scene, name)
+    if 2 * target.shape.half < AROUND:
+        return scene, target
+    return whole, target if scene is whole else object_signal(whole, name)
 
 
 def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Visible shares in eighths, each the mean of those in it, and how many seas have them [1]; hidden ones are left out.
+    """Return visible shares in eighths, each the mean of its members, and the share of the seas in each [1], without hidden objects.
 
     Examples
     --------
@@ -363,44 +349,46 @@ def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
     >>> levels.tolist(), weights.tolist()
     ([0.5, 1.0], [0.25, 0.5])
     """
-    seen = shares[shares > 0.0]
-    eighth = np.ceil(8.0 * seen)
+    target = shares[shares > 0.0]
+    eighth = np.ceil(8.0 * target)
     kinds = np.unique(eighth)
-    levels = np.array([seen[eighth == kind].mean() for kind in kinds])
+    levels = np.array([target[eighth == kind].mean() for kind in kinds])
     return levels, np.array([np.count_nonzero(eighth == kind) / shares.size for kind in kinds])
 
 
 def _over_seas(
     rates: list[float], ends: list[list[float] | None], weights: NDArray[np.float64], seas: int
 ) -> tuple[float, list[float] | None]:
-    """P_d over all visible shares, and its interval: that of each share, and the seas that happened to be drawn."""
+    """Return P_d over all visible shares, and its interval from the interval of each share and the scatter of the drawn seas."""
     p_d = float(weights @ np.array(rates))
     if any(end is None for end in ends):
         return p_d, None
     low, high = (np.array([end[k] for end in ends if end is not None]) for k in (0, 1))
-    spread = float(weights @ np.array(rates) ** 2) - p_d**2
-    drawn = 1.96 * math.sqrt(max(spread, 0.0) / seas) if weights.sum() < 1.0 or weights.size > 1 else 0.0
+    variance = float(weights @ np.array(rates) ** 2) - p_d**2
+    # Scatter between seas counts only where some hide the object.
+    drawn = 1.96 * math.sqrt(max(variance, 0.0) / seas) if weights.sum() < 1.0 or weights.size > 1 else 0.0
     below, above = math.hypot(p_d - float(weights @ low), drawn), math.hypot(float(weights @ high) - p_d, drawn)
     return p_d, [max(p_d - below, 0.0), min(p_d + above, 1.0)]
 
 
-def first_estimate(scenario: Scenario, asked: RangeOptions, bearing: float | None) -> float:
-    """Range at which P_d falls below what is wanted, by :func:`~seaglint.studies.detect.range_search.estimated_p_d` [m].
+def first_estimate(scenario: Scenario, request: RangeRequest, bearing: float | None) -> float:
+    """Return the range at which P_d of :func:`estimated_p_d` falls below the requested P_d [m].
 
-    The nearest range tried where P_d is below at once, next to the farthest where it never is.
+    It is the nearest range where P_d is below at once, and close to the farthest where P_d is never below.
     """
-    near, far = asked.limits
+    name, design = request.object or "", request.design()
+    near, far = request.limits
 
     def detected(at: float) -> bool:
-        placed = middle_of(placed_at(scenario, asked.name, at, bearing), _ROWS, COLUMNS)
+        placed = middle_of(placed_at(scenario, name, at, bearing), _ROWS, COLUMNS)
         try:
-            seen = seen_object(placed, asked.name)
-            return estimated_p_d(placed, seen, asked.design) >= asked.design.p_d
+            return estimated_p_d(placed, object_signal(placed, name), design) >= design.p_d
         except DataError:
             return False
 
     if not detected(near):
         return near
+    # Contrast falls by about a power of the range: bisection halves its logarithm.
     while far / near - 1.0 > ESTIMATED:
         middle = math.sqrt(near * far)
         near, far = (middle, far) if detected(middle) else (near, middle)
@@ -409,7 +397,7 @@ def first_estimate(scenario: Scenario, asked: RangeOptions, bearing: float | Non
 
 @dataclass(frozen=True)
 class DetectorChoice:
-    """Detector that was chosen, the range that its margin gives [m], and all that were tried."""
+    """Chosen detector, the range that its margin gives [m], and all detectors that were tried."""
 
     detector: str
     range_m: float
@@ -417,89 +405,84 @@ class DetectorChoice:
 
 
 def choose(
-    scenario: Scenario,
-    wanted: SceneOptions,
-    asked: RangeOptions,
-    estimate: float,
-    bearing: float | None,
-    parts: Parts,
-    say: Callable[[str], None],
+    scenario: Scenario, request: RangeRequest, estimate: float, bearing: float | None, parts: Parts, report: Callable[[str], None]
 ) -> DetectorChoice:
     """Choose a detector by its margin of contrast at an estimate of the range.
 
     Where even the best has a margin beyond :data:`ALIKE`, its range is elsewhere and others may be better there: the contrast is taken to
     fall with the 2.5th power of the range, and the list is tried again at the range that follows, three times at most. Where waves hide
-    the object in more seas than it may be missed in, at half the range.
+    the object in more seas than it may be missed in, the list is tried again at half the range.
     """
-    near, far = asked.limits
+    near, far = request.limits
     at = estimate
     tried: list[TriedDetector] = []
-    best = TriedDetector(asked.detectors[0], at, None)
+    best = TriedDetector(TRIED[0], at, None)
     rounds = 0
     for _ in range(2 * ROUNDS):
         try:
-            now = tried_at(scenario, wanted, asked, at, bearing, parts)
+            latest = tried_at(scenario, request, at, bearing, parts)
         except DataError:
             margin = SMALLEST
         else:
-            say(f"{asked.name}: {choice_line(now, asked.design.p_d)}")
-            tried, rounds = [*tried, *now], rounds + 1
-            best = best_of(now)
+            report(f"{request.object}: {choice_line(latest, request.design().p_d)}")
+            tried, rounds = [*tried, *latest], rounds + 1
+            best = best_of(latest)
             margin = best.contrast_margin or SMALLEST
         near, far = (max(near, at), far) if margin > 1.0 else (near, min(far, at))
-        following = at * min(max(margin**0.4, 0.5), 2.0)
+        following = at * min(max(margin**0.4, 0.5), 2.0)  # 0.4 is one over the power of the range
         if not near < following < far:
             following = math.sqrt(near * far)
         if 1.0 / ALIKE <= margin <= ALIKE or rounds == ROUNDS or far < STEP * near:
-            break  # the frames of this range are kept: its P_d is counted in them
+            break  # the frames of this range stay stored: its P_d is counted in them
         at = following
     return DetectorChoice(best.detector, at, tried)
 
 
 def detection_range(
     scenario: Scenario,
-    wanted: SceneOptions,
-    asked: RangeOptions,
+    request: RangeRequest,
     parts: Parts,
     *,
     bearing_deg: float | None = None,
-    say: Callable[[str], None] = lambda text: None,
+    report: Callable[[str], None] = lambda text: None,
 ) -> DetectionRange:
-    """Range up to which an object is detected.
+    """Return the range up to which an object is detected.
 
-    P_d is taken to fall with the range. A first estimate, by the Gaussian law, says where frames begin to look; from there they go out
-    until P_d is above and below what is wanted, and bisect the logarithm of the range between. The ends are the interval reported. Where
-    ``asked`` names several detectors, the best of them at the estimate is taken, and frames look out from where it was chosen.
+    P_d is taken to fall with the range. Frames are first searched near an estimate by the Gaussian law; from there the range is changed
+    until P_d is above and below the requested P_d, and the logarithm of the range between is bisected. The ends are the interval reported.
+    Where the request states no detector, the best of :data:`~seaglint.detection.detector_names.TRIED` at the estimate is taken, and the
+    search begins where it was chosen.
 
     Returns
     -------
     DetectionRange
         Range with its interval, the points tried, and a note where the range is beyond the limits.
     """
-    near, far = asked.limits
+    near, far = request.limits
+    name, goal = request.object or "", request.design().p_d
     points: list[RangePoint] = []
 
     def rate(at: float) -> float:
-        points.append(p_d_at(scenario, wanted, asked, at, bearing_deg, parts))
-        say(f"{asked.name} at {at:.0f} m{'' if bearing_deg is None else f', {bearing_deg:g} deg from the Sun'}: P_d {points[-1].p_d:.3g}")
+        points.append(p_d_at(scenario, request, at, bearing_deg, parts))
+        report(f"{name} at {at:.0f} m{'' if bearing_deg is None else f', {bearing_deg:g} deg from the Sun'}: P_d {points[-1].p_d:.3g}")
         return points[-1].p_d
 
-    goal = asked.design.p_d
     middle_of_ends, note = None, None
     ends: list[float | None]
-    estimate = first_estimate(scenario, asked, bearing_deg)
+    estimate = first_estimate(scenario, request, bearing_deg)
     about = "below " if estimate == near else ""
-    say(
-        f"{asked.name}: first estimate {about}{estimate:.0f} m, from mean contrast, deviation of the clutter and the Gaussian law; "
+    report(
+        f"{name}: first estimate {about}{estimate:.0f} m, from mean contrast, deviation of the clutter and the Gaussian law; "
         "frames refine it"
     )
     low, high = max(near, estimate / STEP), min(far, estimate * STEP)
     tried_first: list[TriedDetector] = []
-    if asked.detectors:
-        chosen = choose(scenario, wanted, asked, estimate, bearing_deg, parts, say)
-        wanted, tried_first, low = with_detector(wanted, chosen.detector, keep_filter=True), chosen.tried, chosen.range_m
+    if request.detector is None:
+        choice = choose(scenario, request, estimate, bearing_deg, parts, report)
+        request, tried_first, low = replace(request, detector=choice.detector), choice.tried, choice.range_m
         high = min(far, low * STEP)
     try:
+        # Outwards by a factor of the range; the first step from the range at which a detector was chosen is half as wide in the logarithm.
         while rate(low) < goal and low > near:
             low, high = max(near, low / (STEP if tried_first and len(points) == 1 else STEP**2)), low
         if points[-1].p_d < goal:
@@ -511,49 +494,49 @@ def detection_range(
             if points[-1].p_d >= goal and high == far:
                 ends, note = [far, None], f"P_d is still {goal:g} or more at the farthest range of {far:g} m"
             else:
-                while high / low - 1.0 > asked.precision:
+                while high / low - 1.0 > request.share:
                     middle = math.sqrt(low * high)
                     low, high = (middle, high) if rate(middle) >= goal else (low, middle)
                 ends, middle_of_ends = [low, high], math.sqrt(low * high)
     except DataError as error:
-        # one range that cannot be judged ends its bisection, not the others'
+        # A range that cannot be evaluated ends this bisection; the other cases and bearings go through.
         if not points:
             raise
         ends, note = [low, high], f"between {low:.0f} and {high:.0f} m: {error}"
-    tried = sorted(points, key=lambda point: point.range_m)
-    doubtful = doubts(tried, ends)
-    if not tried_first and middle_of_ends is not None and 2.0 * middle_of_ends <= asked.limits[1]:
-        other = "top-hat" if wanted.options.detector != "top-hat" else "matched"
+    in_order = sorted(points, key=lambda point: point.range_m)
+    warnings = doubts(in_order, ends)
+    # A stated detector may fail where another does not: one range twice as far tells.
+    if not tried_first and middle_of_ends is not None and 2.0 * middle_of_ends <= far:
+        other = "top-hat" if request.detector != "top-hat" else "matched"
         try:
-            twice = p_d_at(scenario, with_detector(wanted, other), asked, 2.0 * middle_of_ends, bearing_deg, parts)
+            twice = p_d_at(scenario, with_detector(request, other), 2.0 * middle_of_ends, bearing_deg, parts)
         except DataError:
-            twice = RangePoint(2.0 * middle_of_ends)  # a check that cannot be made takes nothing from the range
-        say(f"{asked.name} at {twice.range_m:.0f} m, {other}: P_d {twice.p_d:.3g}")
+            twice = RangePoint(2.0 * middle_of_ends)  # a check that fails leaves the range unchanged
+        report(f"{name} at {twice.range_m:.0f} m, {other}: P_d {twice.p_d:.3g}")
         if twice.p_d >= goal:
-            doubtful.append(f"{other} still detects it with P_d {twice.p_d:.3g} at twice that range, {twice.range_m:.0f} m")
+            warnings.append(f"{other} still detects it with P_d {twice.p_d:.3g} at twice that range, {twice.range_m:.0f} m")
     return DetectionRange(
-        asked.name,
-        bearing_deg,
-        goal,
-        middle_of_ends,
-        note,
-        ends,
-        tried,
-        warnings=doubtful,
+        object=name,
+        bearing_deg=bearing_deg,
+        p_d=goal,
+        range_m=middle_of_ends,
+        note=note,
+        range_interval_m=ends,
+        points=in_order,
+        warnings=warnings,
         first_estimate_m=estimate,
-        detector=wanted.options.detector,
+        detector=request.detector_name,
         tried=tried_first,
     )
 
 
 def _why(point: RangePoint) -> str:
-    """Reason for which an object is not seen at a point: nothing of it is there, or too little contrast."""
+    """Return the reason why an object is not detected at a point: nothing of it is visible, or its contrast is small."""
     if not point.background_sigma:
         return f": {point.note}" if point.note else ""
     return f", where its contrast is {abs(point.contrast_pixel) / point.background_sigma:.2g} standard deviations of the background"
 
 
-def with_detector(wanted: SceneOptions, name: str, *, keep_filter: bool = False) -> SceneOptions:
-    """Return the settings with another detector, and no filter before it unless it is kept."""
-    before = wanted.options.filter if keep_filter else Unfiltered()
-    return replace(wanted, options=replace(wanted.options, detector=name, filter=before))
+def with_detector(request: RangeRequest, name: str) -> RangeRequest:
+    """Return the request with another detector, and no filter before it."""
+    return replace(request, detector=name, filter="none", kernel=None)

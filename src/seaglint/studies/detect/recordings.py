@@ -1,6 +1,6 @@
-"""Contrasts, detector and threshold of a request that states none of them, chosen from the clutter of the frames themselves.
+"""Detection on a recording: settings that suit its clutter, and the cases of one setting of the detector or several.
 
-Detection on a recording, with one setting of the detector or several, told as cases of a study.
+Contrasts, detector and threshold that a request does not state are chosen from the clutter of the frames themselves.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ _FRAMES: Final = 16  #: Number of frames from which the clutter's deviation is t
 
 
 def options_of(request: SpotRequest, source: Recording, pixel_deg: tuple[float, float] | None = None) -> DetectionOptions:
-    """Return how a recording is judged: what the request states, and what suits the recording where it states no contrast.
+    """Return the options for a recording: those of the request, and options that suit the recording where no contrast is stated.
 
     Raises
     ------
@@ -58,6 +58,7 @@ def options_of(request: SpotRequest, source: Recording, pixel_deg: tuple[float, 
     """
     if request.contrast is not None:
         return request.detection(request.contrast, source.frame_rate, pixel_deg)
+    # Covariances of tiles need frames of at least one tile.
     named = request.detector or (SUITED if min(source.rows, source.columns) >= 64 else "log")
     sigma = clutter_deviation(source)
     suited = replace(request, detector=named)
@@ -88,37 +89,37 @@ def threshold_of(source: Recording, options: DetectionOptions) -> float:
     with single_threaded_algebra():
         background = Background(detector_for(given, options), given)
         curve = count_false_alarms(background, background.threshold(options.threshold, "sigma"), options.level).alarms.curve()
-    wanted = max(RATE * curve.pixels, FEWEST)
-    beyond = np.flatnonzero(curve.exceedances <= wanted)
-    found = float(curve.threshold[beyond[0]]) if beyond.size else options.threshold
-    return float(f"{max(found, 1.0):.3g}")
+    most = max(RATE * curve.pixels, FEWEST)
+    beyond = np.flatnonzero(curve.exceedances <= most)
+    threshold = float(curve.threshold[beyond[0]]) if beyond.size else options.threshold
+    return float(f"{max(threshold, 1.0):.3g}")
 
 
 def settings_of(vary: Sequence[str] | Mapping[str, Sequence[Any]]) -> list[TomlTables]:
-    """Every combination of some settings; one without any where nothing is varied.
+    """Return every combination of some settings; a single empty one where nothing is varied.
 
     Raises
     ------
     DataError
-        A key that is no setting of the detector: the sea of a recording is what it is.
+        A key that is no setting of the detector: the sea of a recording cannot be varied.
 
     Examples
     --------
     >>> settings_of(["detector=log,matched", "threshold=3"])
     [{'detector': 'log', 'threshold': 3}, {'detector': 'matched', 'threshold': 3}]
     """
-    found = [(key, list(values)) for key, values in vary.items()] if isinstance(vary, Mapping) else parse_vary(vary)
-    for key, _ in found:
+    varied = [(key, list(values)) for key, values in vary.items()] if isinstance(vary, Mapping) else parse_vary(vary)
+    for key, _ in varied:
         if key not in STUDY_KEYS:
             raise DataError(f"vary = {key}: of a recording {', '.join(STUDY_KEYS)} may be varied; give one of them, or SCENARIO.toml")
-    keys = [key for key, _ in found]
-    return [dict(zip(keys, values, strict=True)) for values in itertools.product(*(values for _, values in found))]
+    keys = [key for key, _ in varied]
+    return [dict(zip(keys, values, strict=True)) for values in itertools.product(*(values for _, values in varied))]
 
 
 def run_recording(
     source: Recording, options: DetectionOptions, settings: Sequence[TomlTables], *, progress: Progress | None = None
 ) -> Study:
-    """Judge a detector on a recording with each of some settings; what fails with one is not lost to the others.
+    """Evaluate a detector on a recording with each of some settings; a setting that fails does not stop the others.
 
     Parameters
     ----------
@@ -127,21 +128,22 @@ def run_recording(
     options : DetectionOptions
         Detector and objects.
     settings : sequence of dict
-        Of each case, see :func:`settings_of`.
+        Settings of each case, see :func:`settings_of`.
     progress : callable, optional
         Called with (steps done, steps in all).
 
     Raises
     ------
     SeaglintError
-        What fails with every setting.
+        An error with every setting.
     """
     cases: list[DetectionCase] = []
     for number, setting in enumerate(settings):
         case = DetectionCase(setting)
         try:
-            found = detect(source, with_settings(options, setting), name=source.source, progress=_shown(progress, number, len(settings)))
-            cases.append(replace(case, judged=judged_of(found, source)))
+            shown = _shown(progress, number, len(settings))
+            performance = detect(source, with_settings(options, setting), name=source.source, progress=shown)
+            cases.append(replace(case, judged=judged_of(performance, source)))
         except SeaglintError as error:
             if len(settings) == 1:
                 raise
@@ -151,17 +153,17 @@ def run_recording(
     return Study(cases, None, unfinished=False)
 
 
-def judged_of(found: Performance, source: Recording) -> Judged:
-    """Return the numbers of a judged recording, as :func:`seaglint.studies.detect.rendered_seas.run_scene` gives that of a scene."""
-    result = found.as_dict() | {"units": source.units, "frame_rate_hz": source.frame_rate}
+def judged_of(performance: Performance, source: Recording) -> Judged:
+    """Return the results on a recording in the form in which :func:`seaglint.studies.detect.rendered_seas.run_scene` returns them."""
+    result = performance.as_dict() | {"units": source.units, "frame_rate_hz": source.frame_rate}
     result["cases"] = [
         {key: entry[key] for key in ("contrast", "p_d", "p_d_interval", "injections", "detected")} for entry in result["sweep"]
     ]
     result["notes"] += list(source.notes)
-    rows = found.rows()
-    rows_px, columns_px = (np.arange(n, dtype=np.float64) for n in found.size[1:])
-    alarms = false_alarm_map(found, *np.meshgrid(columns_px, rows_px))
-    return Judged(result, rows, characteristic(found, [row["contrast"] for row in rows]), alarms, chips(found, source), None)
+    rows = performance.rows()
+    rows_px, columns_px = (np.arange(n, dtype=np.float64) for n in performance.size[1:])
+    alarms = false_alarm_map(performance, *np.meshgrid(columns_px, rows_px))
+    return Judged(result, rows, characteristic(performance, [row["contrast"] for row in rows]), alarms, chips(performance, source), None)
 
 
 def _shown(progress: Progress | None, number: int, cases: int) -> Progress | None:

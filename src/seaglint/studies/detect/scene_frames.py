@@ -1,11 +1,11 @@
-"""Frames of independent seas of one scenario, rendered and sensed on demand and kept on disk: a source for detection."""
+"""Frames of independent seas of one scenario, rendered and sensed on demand and stored on disk: a source for detection."""
 
 from __future__ import annotations
 
 import hashlib
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -31,24 +31,24 @@ from seaglint.version import __version__
 
 
 def bare(scenario: Scenario) -> Scenario:
-    """The scenario without objects and without layers that nobody looks at."""
+    """Return the scenario without objects and without layers that are not used."""
     render = scenario.render.model_copy(update={"layers": (), "apparent_temperature": False})
     return scenario.model_copy(update={"objects": None, "render": render})
 
 
 def frames_key(scenario: Scenario, length: int) -> str:
-    """Short name of all that frames of a scenario depend on."""
+    """Return the short name of frames: a digest of everything on which they depend."""
     content = f"{__version__} {length} {bare(scenario).model_dump_json(exclude_none=True)}"
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
 def sea_seed(seed: int, number: int) -> int:
-    """Seed of an independent sea."""
+    """Return the seed of an independent sea."""
     return int(stream(seed, "independent seas", number).integers(2**62))
 
 
 def counting_of(model: SensorModel) -> Counting:
-    """How a sensor counts the light of an object that is added to its frames, told as radiance at the aperture."""
+    """Return the counting by a sensor of the light of an object that is added to its frames, in radiance at the aperture."""
     line = model.readout
     shot = isinstance(model.detector, PhotonPixels) and model.noise.temporal
     return Counting(line.per_radiance if shot else None, line.radiance_scale)
@@ -56,11 +56,11 @@ def counting_of(model: SensorModel) -> Counting:
 
 @dataclass(frozen=True, eq=False)
 class IndependentSeas:
-    """A scenario made ready, from which independent seas are drawn; make it with :meth:`of`."""
+    """Prepared scenario, from which independent seas are drawn; make it with :meth:`of`."""
 
-    scenario: Scenario  #: Without objects.
-    sequence: Sequence  #: The scene; with a sensor drawn finer than its pixels.
-    sensed: SensedSequence | None  #: The sensor on it.
+    scenario: Scenario  #: Scenario without objects.
+    sequence: Sequence  #: Rendered scene; with a sensor drawn finer than its pixels.
+    sensed: SensedSequence | None  #: Sensor on that scene; None where the scenario has none.
 
     @classmethod
     def of(cls, scenario: Scenario) -> IndependentSeas:
@@ -79,7 +79,7 @@ class IndependentSeas:
 
     @property
     def model(self) -> SensorModel | None:
-        """The sensor; None where radiance at the aperture is looked at."""
+        """Sensor; None where the frames are radiance at the aperture."""
         return None if self.sensed is None else self.sensed.sensed.model
 
     @property
@@ -101,6 +101,7 @@ class IndependentSeas:
         (width, height), (columns, rows) = sensor.fov_deg, sensor.pixels
         across = width / columns
         if sensor.projection == "equal-angle":
+            # Columns of equal azimuth come closer on the sky with the elevation.
             across *= math.cos(math.radians(sensor.elevation_deg))
         return height / rows, across
 
@@ -119,16 +120,17 @@ class IndependentSeas:
         return float(line.radiance(min(float(line.counts(line.full_scale)), float(line.top_count))))
 
     def sea(self, number: int, length: int) -> Frames:
-        """Frames of one sea, the scenario's frame rate apart, shape (length, rows, columns) [W m-2 sr-1].
+        """Return the frames of one sea, at the scenario's frame rate, shape (length, rows, columns) [W m-2 sr-1].
 
-        Counts of a sensor are told as the radiance at the aperture that would give them. The sensor stays the same from sea to sea: its
-        fixed pattern too, its noise not.
+        Counts of a sensor are converted to the radiance at the aperture that would give them. The sensor and its fixed pattern are the
+        same for all seas; its noise is not.
         """
         seed = sea_seed(self.scenario.seed, number)
         sequence = self.sequence.reseeded(seed)
         rate = sequence.layout.frame_rate
         if self.sensed is None:
             return np.stack([np.asarray(sequence.at(k / rate).radiance, np.float32) for k in range(length)])
+        # Frames are numbered over all seas, so that each has its own noise.
         sensed, first = self.sensed, number * length
         model, n = sensed.sensed.model, sensed.sensed.oversampling
 
@@ -143,12 +145,11 @@ class IndependentSeas:
 class SceneFrames(PlainFrames):
     """Independent seas on disk as a :class:`seaglint.detection.sources.FrameSource`."""
 
-    seas: IndependentSeas  #: What is drawn.
-    folder: Path  #: Where frames are kept, a file a sea.
+    seas: IndependentSeas  #: Prepared scenario.
+    folder: Path  #: Folder of the frames, a file for each sea.
     sequence_length: int = 1  #: Frames of each sea.
-    count: int = 0  #: Seas that there are.
-    workers: Workers | None = None  #: Who renders them; this process where nobody is named.
-    _held: dict[int, Frames] = field(default_factory=dict, repr=False)
+    count: int = 0  #: Number of seas so far.
+    workers: Workers | None = None  #: Workers that render them; this process by default.
 
     @property
     def frames(self) -> int:
@@ -176,42 +177,43 @@ class SceneFrames(PlainFrames):
         return None if self.seas.model is None else counting_of(self.seas.model)
 
     def grow(self, count: int, go_on: Callable[[int], bool] = lambda done: True) -> int:
-        """Render seas until there are ``count``, or ``go_on`` says no; those that are there already are taken as they are.
+        """Render seas up to a number ``count``, or until ``go_on`` returns False; stored seas are used unchanged.
 
         Returns
         -------
         int
-            Seas that there are now.
+            Number of seas.
         """
         shape = (self.sequence_length, self.rows, self.columns)
         if self.workers is not None and count - self.count > 1:
-            self._share_out(self.workers, count, go_on)
+            self._render_shared(self.workers, count, go_on)
             while self.count < count and whole_sea(self.folder, self.count, shape):
                 self.count += 1
             return self.count
         while self.count < count:
             if not whole_sea(self.folder, self.count, shape):
+                # The first sea is always rendered: there is no result without one.
                 if self.count and not go_on(self.count):
                     break
                 keep_sea(self.folder, self.count, self.seas.sea(self.count, self.sequence_length))
             self.count += 1
         return self.count
 
-    def _share_out(self, workers: Workers, count: int, go_on: Callable[[int], bool]) -> None:
-        """Have the seas that are missing rendered by workers."""
+    def _render_shared(self, workers: Workers, count: int, go_on: Callable[[int], bool]) -> None:
+        """Let workers render the missing seas."""
         shape = (self.sequence_length, self.rows, self.columns)
         missing = [number for number in range(self.count, count) if not whole_sea(self.folder, number, shape)]
-        there = count - len(missing)
+        available = count - len(missing)
         job = Job(sea_writer, (self.seas.scenario, self.folder.absolute(), self.sequence_length))
         with workers.map(job, missing) as outcomes:
             for outcome in outcomes:
                 record_of(outcome)
-                there += 1
-                if there < count and not go_on(there):
+                available += 1
+                if available < count and not go_on(available):
                     return
 
     def read(self, start: int, stop: int) -> Frames:
-        """Frames ``start`` to ``stop`` (not included), the caller's own [W m-2 sr-1]."""
+        """Return frames ``start`` to ``stop`` (not included) as a copy [W m-2 sr-1]."""
         parts = []
         length = self.sequence_length
         for number in range(start // length, (stop - 1) // length + 1):
@@ -224,7 +226,7 @@ class SceneFrames(PlainFrames):
 
 
 def sea_writer(settings: tuple[Scenario, Path, int]) -> Callable[[int], None]:
-    """Function that renders a sea by its number into its file; of a scenario, a folder and the frames of a sea."""
+    """Return a function that renders a sea by its number into its file; ``settings`` are scenario, folder and frames of a sea."""
     scenario, folder, length = settings
     seas = IndependentSeas.of(scenario)
 

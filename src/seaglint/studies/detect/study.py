@@ -1,6 +1,6 @@
-"""Detection over many scenarios: case by case, kept as they are done, within a budget of time, none lost to another's fault.
+"""Detection studies over many scenarios: cases of a detector's performance, and ranges of detection.
 
-Ranges of detection in the cases of a study and at some bearings.
+Cases are run one after the other within a budget of time and stored as soon as they are complete; a case that fails leaves the others.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import pickle
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError
@@ -19,22 +19,23 @@ from seaglint.base.representation import card, notes, table
 from seaglint.cluster import Workers
 from seaglint.clutter.filters import named as named_filter
 from seaglint.store.detection_results import DetectionCase, DetectionRange, Parts
-from seaglint.studies.detect.detection_requests import RangeRequest
+from seaglint.studies.detect.detection_requests import CasesRequest, RangeRequest, SceneRequest
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import detection_range
-from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene
+from seaglint.studies.detect.rendered_seas import Clock, run_scene
 from seaglint.studies.detect.scene_frames import bare, frames_key
 from seaglint.studies.detect.varied_cases import StudyCase, flattened
+
+Options = TypeVar("Options", bound=DetectionOptions | CasesRequest)
 
 
 @dataclass(frozen=True)
 class Study:
     """Results of all cases."""
 
-    #: What was set in each case, and what :func:`seaglint.studies.detect.rendered_seas.run_scene` gives, or why it failed.
-    cases: list[DetectionCase]
-    stopped: str | None  #: Why some cases were not begun.
-    unfinished: bool  #: Whether a resumed study has something left to compute.
+    cases: list[DetectionCase]  #: Parameters of each case with its result, or the reason why it failed.
+    stopped: str | None  #: Reason why some cases were not begun.
+    unfinished: bool  #: Whether a resumed study has more to compute.
 
     @property
     def errors(self) -> list[str]:
@@ -47,157 +48,145 @@ class Study:
         return [case for case in self.cases if case.error is None]
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: what was varied, and what came of it."""
-        lines = self.rows()
+        """Return the table that a notebook shows: varied parameters and results."""
+        rows = self.rows()
         varied = dict.fromkeys(key for case in self.cases for key in case.parameters)
-        names = [*varied, *(name for name in ("contrast", "p_d", "p_fa", "error") if any(line.get(name) is not None for line in lines))]
-        told = [] if self.stopped is None else [self.stopped]
-        return card(f"Study of {len(self.cases)} cases", table(names, [[line.get(name) for name in names] for line in lines]) + notes(told))
+        names = [*varied, *(name for name in ("contrast", "p_d", "p_fa", "error") if any(row.get(name) is not None for row in rows))]
+        remarks = [] if self.stopped is None else [self.stopped]
+        return card(f"Study of {len(self.cases)} cases", table(names, [[row.get(name) for name in names] for row in rows]) + notes(remarks))
 
     def rows(self) -> list[TableRow]:
-        """Tidy table: a row a contrast of each case, with what was varied first, then results, then the whole scenario."""
+        """Return a tidy table: a row for each contrast and case, with varied parameters first, then results, then the whole scenario."""
         columns: dict[str, None] = {}
         out = []
         for number, case in enumerate(self.cases):
-            lines: list[TableRow] = [{}] if case.judged is None else case.judged.rows or [{}]
-            for line in lines:
-                row = {"case": number, **case.parameters, **line, "stopped": case.stopped, "error": case.error}
+            contrasts: list[TableRow] = [{}] if case.judged is None else case.judged.rows or [{}]
+            for result in contrasts:
+                row = {"case": number, **case.parameters, **result, "stopped": case.stopped, "error": case.error}
                 row |= {key: value for key, value in case.scenario.items() if key not in row}
                 out.append(row)
                 columns |= dict.fromkeys(row)
-        # what only cases with a result have stands before the scenario all the same
+        # Columns of results are placed before the scenario, also where the first case has no result.
         full = next((row for row in out if row["error"] is None), {})
         order = list(dict.fromkeys([*full, *columns]))
         return [{name: row.get(name) for name in order} for row in out]
 
     def characteristic(self) -> dict[str, list[float]]:
-        """Columns of all operating characteristics."""
+        """Return the columns of all operating characteristics."""
         names = ("contrast", "threshold_sigma", "p_fa", "p_fa_low", "p_fa_high", "p_d", "p_d_low", "p_d_high")
         numbered = [(k, case.judged.roc) for k, case in enumerate(self.cases) if case.judged is not None]
         out: dict[str, list[float]] = {"case": [float(k) for k, roc in numbered for _ in roc["contrast"]]}
         return out | {name: [v for _, roc in numbered for v in roc[name]] for name in names}
 
     def as_dict(self) -> JsonObject:
-        """Plain numbers and text; of a single case its own keys as well."""
-        told = [
+        """Return plain numbers and text; of a single case its keys at the top as well."""
+        results = [
             {"parameters": case.parameters, **({"error": case.error} if case.judged is None else case.judged.result)} for case in self.cases
         ]
-        whole: JsonObject = dict(told[0]) if len(told) == 1 else {}
-        return whole | {"cases": told, "study_stopped": self.stopped}
+        whole: JsonObject = dict(results[0]) if len(results) == 1 else {}
+        return whole | {"cases": results, "study_stopped": self.stopped}
 
 
-def with_settings(options: DetectionOptions, settings: Mapping[str, Any]) -> DetectionOptions:
-    """The options with what a case says of detector, filter and threshold.
+def with_settings(options: Options, settings: Mapping[str, Any]) -> Options:
+    """Return options, or a request, with the detector, filter and threshold of a case.
 
     Raises
     ------
     DataError
-        A threshold that is no number, or a filter that there is not.
+        A threshold that is no number, or an unknown filter.
     """
+    changes: dict[str, Any] = {}
     if "detector" in settings:
-        options = replace(options, detector=str(settings["detector"]))
+        changes["detector"] = str(settings["detector"])
     if "filter" in settings:
-        options = replace(options, filter=named_filter(str(settings["filter"])))
+        changes["filter"] = named_filter(str(settings["filter"]))
     if "threshold" in settings:
         try:
-            options = replace(options, threshold=float(settings["threshold"]))
+            changes["threshold"] = float(settings["threshold"])
         except (TypeError, ValueError):
             raise DataError(f"threshold = {settings['threshold']} is no number; give e.g. 4") from None
-    return options
+    return replace(options, **changes)
 
 
-def with_case(wanted: SceneOptions, case: StudyCase) -> SceneOptions:
-    """Return the settings of a case, see :func:`with_settings`."""
-    return replace(wanted, options=with_settings(wanted.options, case.study))
-
-
-def case_key(case: StudyCase, wanted: SceneOptions) -> str:
-    """Return the short name of all that the result of a case depends on."""
-    content = pickle.dumps((case.parameters, case.scenario.model_dump_json(), wanted), protocol=5)
+def case_key(case: StudyCase, request: CasesRequest) -> str:
+    """Return the short name of a case: a digest of all on which its result depends."""
+    content = pickle.dumps((case.parameters, case.scenario.model_dump_json(), request.settings), protocol=5)
     return f"{frames_key(case.scenario, 0)}-{hashlib.sha256(content).hexdigest()[:16]}"
 
 
 def run_study(
     cases: Sequence[StudyCase],
-    wanted: SceneOptions,
+    request: SceneRequest,
     parts: Parts,
     *,
-    budget: float | None = None,
     progress: Progress | None = None,
-    say: Callable[[str], None] = lambda text: None,
+    report: Callable[[str], None] = lambda text: None,
     workers: Workers | None = None,
 ) -> Study:
-    """Run all cases; those that ``parts`` has already are taken as they are.
+    """Run all cases; stored results of cases are used unchanged.
 
     Parameters
     ----------
     cases : sequence of StudyCase
         Scenarios.
-    wanted : SceneOptions
-        Detector, objects, precision.
+    request : SceneRequest
+        Detector, objects, precision, and the time for all cases, which the remaining ones share evenly.
     parts : Parts
-        Where frames and finished cases are kept.
-    budget : float, optional
-        Time for all of them [s], shared evenly by those that are left.
+        Store of frames and finished cases.
     progress : callable, optional
         Called with (seas done, seas at most, over all cases).
-    say : callable
-        Told of every case that ends.
+    report : callable
+        Called with a line for every case that ends.
     workers : Workers, optional
-        Who renders the seas of each case; this process where nobody is named. Results do not depend on it.
+        Workers that render the seas of each case; this process by default. Results do not depend on it.
 
     Raises
     ------
     SeaglintError
-        What stops every case.
+        An error that stops every case.
     """
+    budget = request.time_budget
     begin, unfinished, stopped = time.monotonic(), False, None
     out: list[DetectionCase] = []
-    last_use = {_frames(case): k for k, case in enumerate(cases)}
+    last_use = {frames_key(case.scenario, 0): number for number, case in enumerate(cases)}
     for number, case in enumerate(cases):
-        begun = DetectionCase(case.parameters, flattened(bare(case.scenario)))
+        begun = current = DetectionCase(case.parameters, flattened(bare(case.scenario)))
         left = None if budget is None else budget - (time.monotonic() - begin)
-        key = ""
         try:
-            mine = with_case(wanted, case)
-            key = case_key(case, mine)
+            own = with_settings(request, case.study)
+            key = case_key(case, own)
             stored = parts.case(key)
-            kept = None if stored is None else DetectionCase.of(stored)
-            if kept is None:
+            if stored is not None:
+                current = DetectionCase.of(stored)
+            else:
                 if left is not None and left <= 0 and out:
                     stopped = f"stopped after {number} of {len(cases)} cases: the time budget of {budget:g} s is reached"
                     unfinished = True
                     break
                 clock = Clock(None if left is None else max(left, 0.0) / (len(cases) - number))
-                shown = None if progress is None else _shown(progress, number, wanted.seas, len(cases))
-                name = _name(case, number)
-                judged = run_scene(case.scenario, mine, parts, clock=clock, name=name, progress=shown, workers=workers)
-                kept = replace(begun, judged=judged)
+                shown = None if progress is None else _shown(progress, number, request.seas, len(cases))
+                name = current.named or f"case {number}"
+                judged = run_scene(case.scenario, own, parts, clock=clock, name=name, progress=shown, workers=workers)
+                current = replace(current, judged=judged)
+                # A case that ran out of time is computed further by a resumed study.
                 if judged.stopped == "time budget":
                     unfinished = True
                 else:
-                    parts.keep_case(key, kept.as_dict())
-            out.append(kept)
+                    parts.keep_case(key, current.as_dict())
         except SeaglintError as error:
             if len(cases) == 1:
                 raise
-            out.append(begun.with_error(f"case {number}: {error}"))
+            current = begun.with_error(f"case {number}: {error}")
             unfinished = True
-        say(_line(number, len(cases), out[-1]))
-        if last_use[_frames(case)] == number and out[-1].stopped != "time budget" and out[-1].error is None:
-            for length in {1, int(out[-1].done.result["frames_needed"])}:
+        out.append(current)
+        report(_line(number, len(cases), current))
+        # Frames are removed after their last use, of a single frame and of as many as the detector needs.
+        if last_use[frames_key(case.scenario, 0)] == number and current.stopped != "time budget" and current.error is None:
+            for length in {1, int(current.done.result["frames_needed"])}:
                 parts.forget_frames(frames_key(case.scenario, length))
     if out and all(case.error for case in out):
         raise DataError("\n".join(str(case.error) for case in out))
     return Study(out, stopped, unfinished)
-
-
-def _frames(case: StudyCase) -> str:
-    return frames_key(case.scenario, 0)
-
-
-def _name(case: StudyCase, number: int) -> str:
-    return ", ".join(f"{key} = {value}" for key, value in case.parameters.items()) or f"case {number}"
 
 
 def _shown(progress: Progress, number: int, seas: int, cases: int) -> Progress:
@@ -215,9 +204,9 @@ def _line(number: int, cases: int, case: DetectionCase) -> str:
 
 
 def ranges_of(
-    cases: Sequence[StudyCase], request: RangeRequest, parts: Parts, *, say: Callable[[str], None] = lambda text: None
+    cases: Sequence[StudyCase], request: RangeRequest, parts: Parts, *, report: Callable[[str], None] = lambda text: None
 ) -> list[DetectionRange]:
-    """Find the range of an object in every case, at every bearing.
+    """Return the range of an object in every case, at every bearing.
 
     Parameters
     ----------
@@ -226,8 +215,8 @@ def ranges_of(
     request : RangeRequest
         Object, bearings, detector and limits.
     parts : Parts
-        Store of what is computed.
-    say : callable
+        Store of frames and of P_d at each range.
+    report : callable
         Called with lines on the progress.
 
     Raises
@@ -235,14 +224,12 @@ def ranges_of(
     SeaglintError
         No such object, or a scenario that cannot be computed.
     """
-    searched = request.range_options([item.name for item in cases[0].scenario.objects or ()])
-    options = request.scene_options()
-    bearings: list[float | None] = [None] if request.bearings is None else list(request.bearings)
-    found = []
+    request = request.of_objects([item.name for item in cases[0].scenario.objects or ()])
+    request.require_valid()
+    ranges = []
     for case in cases:
-        judged = with_case(options, case)
-        tried = replace(searched, detectors=()) if "detector" in case.parameters else searched
-        for bearing in bearings:
-            one = detection_range(case.scenario, judged, tried, parts, bearing_deg=bearing, say=say)
-            found.append(replace(one, parameters=case.parameters))
-    return found
+        own = with_settings(request, case.study)
+        for bearing in request.bearings if request.bearings is not None else (None,):
+            result = detection_range(case.scenario, own, parts, bearing_deg=bearing, report=report)
+            ranges.append(replace(result, parameters=case.parameters))
+    return ranges

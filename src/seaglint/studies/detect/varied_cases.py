@@ -21,9 +21,9 @@ from seaglint.scenario.presets import with_sensor
 from seaglint.scenario.text.option_texts import parse_vary, plain_value
 from seaglint.scenario.text.toml_writing import stated
 
-MOST_CASES: Final = 1000  #: Cases of one study at most.
+MOST_CASES: Final = 1000  #: Largest number of cases of one study.
 
-STUDY_KEYS: Final = ("detector", "filter", "threshold")  #: What cases may set beside keys of the scenario.
+STUDY_KEYS: Final = ("detector", "filter", "threshold")  #: Settings of a case in addition to keys of the scenario.
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class StudyCase:
     """One scenario of a study."""
 
     parameters: TomlTables  #: Keys that were set, with their values.
-    scenario: Scenario  #: With them.
-    study: TomlTables  #: Those of :data:`STUDY_KEYS` among them.
+    scenario: Scenario  #: Scenario with these values.
+    study: TomlTables  #: Parameters in :data:`STUDY_KEYS`, which are no keys of the scenario.
 
 
 def cases_of(
@@ -42,7 +42,7 @@ def cases_of(
     table: Path | None = None,
     sensor: str | None = None,
 ) -> list[StudyCase]:
-    """All cases of a scenario; the scenario alone is one.
+    """Return all cases of a scenario; the unchanged scenario is a single case.
 
     Parameters
     ----------
@@ -51,23 +51,23 @@ def cases_of(
     vary : sequence of str, or mapping
         ``key=value,value`` or ``key=START:STOP:STEP``, or values by key; several are combined.
     table : Path, optional
-        CSV file with keys as headings and a case a row; empty cells leave the scenario as it is.
+        CSV file with keys as headings and a case in each row; empty cells leave the scenario unchanged.
     sensor : str, optional
-        Preset that stands in for its sensor.
+        Preset that replaces its sensor.
 
     Raises
     ------
     ScenarioError
         A case that is no scenario, named with its values.
     DataError
-        Too many, or a table that cannot be read.
+        Too many cases, or a table that cannot be read.
     """
     from seaglint.scenario.load import load_scenario
 
     if isinstance(source, Scenario):
         path, base, raw = "scenario", None, stated(source)
     else:
-        load_scenario(source, sensor=sensor)  # its own mistakes, as the file has them
+        load_scenario(source, sensor=sensor)  # mistakes of the file itself are reported with its own keys
         path, base, raw = str(source), source.parent, tomllib.loads(source.read_bytes().decode("utf-8-sig"))
     raw = raw if sensor is None else with_sensor(raw, sensor)
     rows = _rows(table) if table is not None else [({}, "")]
@@ -76,6 +76,7 @@ def cases_of(
     if len(rows) * len(combined) > MOST_CASES:
         raise DataError(f"{len(rows) * len(combined)} cases are more than {MOST_CASES}; vary less, or part the study")
     out = []
+    # Every row of the table with every combination of the varied values.
     for (row, where), chosen in itertools.product(rows, combined):
         parameters = {**row, **dict(chosen)}
         study = {key: parameters[key] for key in STUDY_KEYS if key in parameters}
@@ -100,7 +101,7 @@ def _rows(table: Path) -> list[tuple[TomlTables, str]]:
 
 
 def flattened(scenario: Scenario) -> TomlTables:
-    """Every value of a scenario by its dotted key; lists as JSON.
+    """Return every value of a scenario by its dotted key; lists as JSON.
 
     Examples
     --------

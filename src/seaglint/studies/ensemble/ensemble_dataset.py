@@ -1,6 +1,6 @@
-"""Finished scenes of an ensemble become a labelled data set: written scene by scene, checked, and named when whole.
+"""Labelled data sets of ensembles: scenes are drawn and rendered, or taken from a folder, and written in a layout for training.
 
-Labelled data sets of ensembles: scenes are drawn and rendered, or taken from a folder, and written in a layout for training.
+A data set is written scene by scene in ``OUTPUT.partial``, checked, and renamed when it is complete.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from seaglint.store.outputs import (
 )
 from seaglint.store.sequence_store import Interrupted, partial_path
 from seaglint.store.writers import exclusive
-from seaglint.studies.ensemble.ensemble_folder import Folder, differences, ensemble_text
+from seaglint.studies.ensemble.ensemble_folder import MOST_LISTED, Folder, differences, ensemble_text
 from seaglint.studies.ensemble.label_outlook import report_weak
 from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
 from seaglint.version import __version__
@@ -46,16 +46,15 @@ SOURCE: Final = "ensemble.toml"
 
 _SETTINGS: Final = "settings.json"
 _REPLACED: Final = ".replaced"
-_MOST_LISTED: Final = 5  #: Keys that differ, of which more are only counted.
 
 
 @dataclass(frozen=True)
 class DatasetOptions:
-    """How a data set is written."""
+    """Format and pictures of a data set."""
 
     format: str  #: Name of one of :data:`seaglint.formats.dataset.FORMATS`.
-    bits: Bits  #: Of a pixel.
-    image: ImageKind  #: ``png`` or ``tiff``.
+    bits: Bits  #: Bits of a pixel.
+    image: ImageKind  #: Kind of picture: ``png`` or ``tiff``.
 
     @classmethod
     def of(cls, form: str, bits: int | None = None, image: str | None = None) -> DatasetOptions:
@@ -64,7 +63,7 @@ class DatasetOptions:
         Raises
         ------
         DataError
-            A format, number of bits or kind of picture that there is not.
+            An unknown format, number of bits or kind of picture.
         """
         chosen = format_named(form)
         if not chosen.pictures and (bits is not None or image is not None):
@@ -80,8 +79,8 @@ class DatasetOptions:
 class DatasetPlan:
     """Ensemble, scenes and folders of a data set."""
 
-    title: str  #: Of the data card, where the table has none.
-    seed: int  #: Of the ensemble.
+    title: str  #: Title of the data card, where the table has none.
+    seed: int  #: Seed of the ensemble.
     table: Dataset  #: The ensemble's table ``[dataset]``.
     source: str  #: Text of the ensemble's file.
 
@@ -92,7 +91,7 @@ def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
     Raises
     ------
     DataError
-        Something is there that may not be replaced, or an unfinished data set that is not to be gone on with.
+        The folder may not be replaced, or holds an unfinished data set that is neither resumed nor replaced.
     StorageError
         Nothing can be written in the folder.
     """
@@ -117,7 +116,7 @@ def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
 
 
 def _require_ours(partial: Path) -> None:
-    # A process killed as it begins, or as it clears up, leaves a folder of records alone, or a data set that is whole.
+    # A process killed as it begins, or as it clears up, leaves only the folder of records, or a complete data set.
     ours = (partial / FOLDER / _SETTINGS).is_file() or (partial / dataset_writing.SUMS).is_file()
     if not ours and any(path.name != FOLDER for path in partial.iterdir()):
         raise DataError(f"{partial}: is no unfinished data set of seaglint and is left alone; choose another name or remove it yourself")
@@ -134,7 +133,7 @@ def make_dataset(
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
-    """Make a data set of finished scenes, in ``output.partial`` until it is whole and checked.
+    """Make a data set of finished scenes, in ``output.partial`` until it is complete and checked.
 
     Parameters
     ----------
@@ -145,13 +144,13 @@ def make_dataset(
     options : DatasetOptions
         Format and pictures.
     scenes : callable
-        ``scenes(folder)`` gives the finished scenes; it may make them in ``folder``, which is kept for ``resume`` and removed at the end.
+        ``scenes(folder)`` gives the finished scenes; it may make them in ``folder``, which stays for ``resume`` and is removed at the end.
     workers : Workers, optional
-        Who writes the scenes' pictures; this process by default. The bytes do not depend on it.
+        Workers that write the scenes' pictures; this process by default. The bytes do not depend on it.
     resume : bool
-        Go on with an unfinished data set. One that is whole is left as it is.
+        Continue an unfinished data set. A complete one is left unchanged.
     overwrite : bool
-        Replace a data set once the new one is whole.
+        Replace a data set once the new one is complete.
     progress : callable, optional
         ``progress(scenes done, scenes in all)``.
 
@@ -160,7 +159,7 @@ def make_dataset(
     DataError
         The output may not be written, another process writes it, another ensemble is resumed, or scenes failed.
     StorageError
-        No room or no rights; the scenes done stay.
+        No room or no rights; finished scenes stay.
     Interrupted
         After SIGINT or SIGTERM, between two scenes.
     """
@@ -194,25 +193,25 @@ def make_dataset(
 
 
 def _settings(plan: DatasetPlan, options: DatasetOptions) -> JsonObject:
-    """What two halves of a data set must have in common."""
+    """Return the settings that both runs of a resumed data set must share."""
     digest = hashlib.sha256(plan.source.encode("utf-8")).hexdigest()
     shown = {"bits": options.bits, "image": options.image} if format_named(options.format).pictures else {}
     return {"format": options.format, **shown, "version": __version__, "ensemble": digest}
 
 
 def _require_same(old: Any, new: JsonObject, where: Path, source: str) -> None:
-    """Refuse what was made otherwise; of another ensemble with the keys that differ."""
+    """Refuse a data set with other settings; for another ensemble the error has the keys that differ."""
     differ = [name for name in {**old, **new} if old.get(name) != new.get(name)]
     if "ensemble" in differ and (where / SOURCE).is_file():
         keys = differences(read_toml(where / SOURCE, "ensemble"), tomllib.loads(source))
-        more = [f"{len(keys) - _MOST_LISTED} more"] if len(keys) > _MOST_LISTED else []
-        differ = [name for name in differ if name != "ensemble"] + (keys[:_MOST_LISTED] + more or ["ensemble"])
+        more = [f"{len(keys) - MOST_LISTED} more"] if len(keys) > MOST_LISTED else []
+        differ = [name for name in differ if name != "ensemble"] + (keys[:MOST_LISTED] + more or ["ensemble"])
     if differ:
         raise DataError(f"{where}: was made with another {', '.join(differ)}; resume with the same settings, or start again with overwrite")
 
 
 def _clear(partial: Path) -> None:
-    """Remove an unfinished data set; the folder that tells it is one goes last."""
+    """Remove an unfinished data set; the folder by which it is recognised goes last."""
     for path in partial.iterdir():
         if path.name == FOLDER:
             continue
@@ -234,7 +233,7 @@ def _is_whole(partial: Path, made_from: JsonObject) -> bool:
 
 
 def _begin(partial: Path, made_from: JsonObject, source: str) -> None:
-    """Make the folder, or see that an unfinished one is of the same settings."""
+    """Make the folder, or check that an unfinished one has the same settings."""
     path = partial / FOLDER / _SETTINGS
     if path.is_file():
         _require_same(read_json(path, "start again with overwrite=True"), made_from, partial, source)
@@ -263,7 +262,7 @@ def _start(settings: ConversionSettings) -> Callable[[Entry], str]:
 def _write_scenes(
     partial: Path, entries: Sequence[Entry], settings: ConversionSettings, workers: Workers | None, progress: Progress | None
 ) -> None:
-    """Write what is missing."""
+    """Write the missing scenes."""
     for name in format_named(settings.format).folders:
         (partial / name).mkdir(parents=True, exist_ok=True)
     missing = [entry for entry in entries if not part_path(partial, entry.name).is_file()]
@@ -297,7 +296,7 @@ def _write_scenes(
 
 
 def _give_name(partial: Path, output: Path) -> None:
-    """Take away what was for resuming, and put the data set in the place of the old one, which is deleted last."""
+    """Remove the records for resuming, and put the data set in the place of the old one, which is deleted last."""
     for name in (FOLDER, SCENES, _REPLACED):
         shutil.rmtree(partial / name, ignore_errors=True)
     if output.exists():
@@ -310,13 +309,13 @@ def _give_name(partial: Path, output: Path) -> None:
 class EnsembleSource:
     """An ensemble, and the folder where it is rendered already."""
 
-    ensemble: Ensemble
-    title: str
-    folder: Path | None
+    ensemble: Ensemble  #: Base scenario and laws.
+    title: str  #: Title of the data card by default.
+    folder: Path | None  #: Folder of the rendered scenes; None where they are rendered for the data set.
 
 
 def read_source(path: Path) -> EnsembleSource:
-    """An ensemble's file, or the folder that 'seaglint ensemble' made of one.
+    """Read the file of an ensemble, or the folder that 'seaglint ensemble' made of one.
 
     Raises
     ------
@@ -355,11 +354,11 @@ def ensemble_dataset(
     options : DatasetOptions
         Format and pictures.
     workers : Workers, optional
-        Who renders and writes; this process by default. The bytes do not depend on it.
+        Workers that render and write; this process by default. The bytes do not depend on it.
     threads : int, optional
         Processor threads of each worker; all by default.
     resume, overwrite : bool
-        Go on with an unfinished data set, or replace what is there.
+        Continue an unfinished data set, or replace an existing one.
     progress : callable, optional
         Called with (scenes done, scenes in all) while they are rendered, or written where they are rendered already.
 
@@ -380,6 +379,7 @@ def ensemble_dataset(
         _require_rendered(Folder(source.folder), [scene.label for scene in drawn])
     table = ensemble.dataset
     known = {item.name for item in ensemble.objects} | {item.name for scene in drawn for item in scene.scenario.objects or ()}
+    # A misspelt name would leave its objects without their class.
     unknown = [name for name in table.classes if name not in known]
     if unknown:
         own = {item["name"] for item in ensemble.base.get("objects", []) if "name" in item} | {item.name for item in ensemble.objects}
@@ -417,7 +417,7 @@ def ensemble_dataset(
 
 
 def _require_rendered(folder: Folder, labels: Sequence[str]) -> None:
-    """Refuse a folder with scenes that are not rendered, before anything is written."""
+    """Refuse a folder with unrendered scenes, before anything is written."""
     missing = sum(not folder.store(label).is_dir() for label in labels)
     if missing and (folder.path / ABOUT).is_file():
         raise DataError(f"{folder.path}: is a data set, whose scenes are gone; give the file {folder.file} to make it in another way")

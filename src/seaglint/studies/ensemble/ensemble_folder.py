@@ -1,4 +1,4 @@
-"""The folder of an ensemble: its file, tables of what was drawn, a scenario file and a store for every scene."""
+"""Folder of an ensemble: its file, tables of the drawn values, and a scenario file and a store for every scene."""
 
 from __future__ import annotations
 
@@ -22,35 +22,35 @@ from seaglint.studies.ensemble.law_draws import EnsembleScene
 _REMEDY: Final = "make room and run the same command with --resume"
 _TABLES: Final = ("parameters", "objects")
 _ENDINGS: Final = (".csv", ".parquet")
-_MOST_LISTED: Final = 5  #: Keys that differ, of which more are only counted.
+MOST_LISTED: Final = 5  #: Largest number of differing keys that an error lists; more are counted.
 
 
 @dataclass(frozen=True)
 class Folder:
-    """Where an ensemble lies."""
+    """Folder of an ensemble."""
 
-    path: Path  #: ``ensemble.toml``, ``parameters.csv``, ``objects.csv``, ``scenes/`` and, of scenes that failed, ``failures/``.
+    path: Path  #: Folder of ``ensemble.toml``, ``parameters.csv``, ``objects.csv``, ``scenes/`` and, of scenes that failed, ``failures/``.
 
     @property
     def file(self) -> Path:
-        """The ensemble itself, its base written out."""
+        """File of the ensemble, with its base written out."""
         return self.path / "ensemble.toml"
 
     @property
     def _begun(self) -> Path:
-        """Remains of a process that was killed in its first moments."""
+        """File that a process leaves if it is killed in its first moments."""
         return self.file.with_name(f"{self.file.name}.partial")
 
     def scenario(self, label: str) -> Path:
-        """Scenario file of a scene."""
+        """Return the scenario file of a scene."""
         return self.path / "scenes" / f"{label}.toml"
 
     def store(self, label: str) -> Path:
-        """Sequence of a scene."""
+        """Return the store of a scene's sequence."""
         return self.path / "scenes" / f"{label}.zarr"
 
     def failure(self, label: str) -> Path:
-        """Where the traceback of a scene that failed goes."""
+        """Return the file of the traceback of a scene that failed."""
         return self.path / "failures" / f"{label}.txt"
 
     def check(self, *, resume: bool, overwrite: bool) -> None:
@@ -59,7 +59,7 @@ class Folder:
         Raises
         ------
         DataError
-            Another ensemble, or something else.
+            The folder holds another ensemble, or other files.
         """
         if resume and overwrite:
             raise DataError("resume keeps what is there and overwrite replaces it; give one of the two")
@@ -76,12 +76,12 @@ class Folder:
             raise DataError(f"{self.path}: is not empty and holds no ensemble; it is left alone: give another folder")
 
     def write(self, ensemble: Ensemble, scenes: Sequence[EnsembleScene], *, resume: bool, overwrite: bool) -> None:
-        """Write everything but the sequences; what is there of the same ensemble stays.
+        """Write everything but the sequences; existing files of the same ensemble stay.
 
         Raises
         ------
         DataError
-            It is another ensemble's, told with the keys that differ.
+            The folder is that of another ensemble; the error has the keys that differ.
         StorageError
             No room or no rights.
         """
@@ -92,7 +92,7 @@ class Folder:
             if resume and self.file.exists():
                 self._require_same(text, scenes)
             self.path.mkdir(exist_ok=True)
-            write_text(text, self.file)  # first: it says whose folder this is
+            write_text(text, self.file)  # first: by this file the folder is recognised
             (self.path / "scenes").mkdir(exist_ok=True)
             for scene in scenes:
                 path = self.scenario(scene.label)
@@ -107,16 +107,16 @@ class Folder:
                 write_rows(rows, self.path / f"{name}{ending}")
 
     def _clear(self) -> None:
-        """Remove what an ensemble writes, and nothing else; the file that says whose folder it is goes last."""
+        """Remove the files of an ensemble, and no others; the file by which the folder is recognised goes last."""
         for name in ("scenes", "failures"):
             shutil.rmtree(self.path / name, ignore_errors=True)
         for path in (*(self.path / f"{name}{ending}" for name in _TABLES for ending in _ENDINGS), self.file):
             path.unlink(missing_ok=True)
 
     def _require_same(self, text: str, scenes: Sequence[EnsembleScene]) -> None:
-        # what a data set of it is called changes no scene
-        there, here = ({**tables, "dataset": {}} for tables in (read_toml(self.file, "ensemble"), tomllib.loads(text)))
-        differ = differences(there, here)
+        # The table of a data set changes no scene.
+        old, new = ({**tables, "dataset": {}} for tables in (read_toml(self.file, "ensemble"), tomllib.loads(text)))
+        differ = differences(old, new)
         if not differ:
             for scene in scenes:
                 path = self.scenario(scene.label)
@@ -124,15 +124,15 @@ class Folder:
                     differ = [f"{key} of scene {scene.number}" for key in differ]
                     break
         if differ:
-            more = f" and {len(differ) - _MOST_LISTED} more" if len(differ) > _MOST_LISTED else ""
+            more = f" and {len(differ) - MOST_LISTED} more" if len(differ) > MOST_LISTED else ""
             raise DataError(
-                f"{self.path}: was made with another {', '.join(differ[:_MOST_LISTED])}{more}; resume with the same ensemble, or start "
+                f"{self.path}: was made with another {', '.join(differ[:MOST_LISTED])}{more}; resume with the same ensemble, or start "
                 "again with overwrite"
             )
 
 
 def ensemble_text(ensemble: Ensemble) -> str:
-    """An ensemble as a file that stands by itself: the base written out, paths absolute."""
+    """Return the text of a self-contained file of an ensemble: the base written out, paths absolute."""
     laws = [law.model_dump(exclude_none=True, mode="json") for law in ensemble.vary]
     for law in laws:
         if "table" in law:
@@ -145,14 +145,14 @@ def ensemble_text(ensemble: Ensemble) -> str:
 
 
 def object_rows(scenes: Sequence[EnsembleScene]) -> list[TableRow]:
-    """Objects of all scenes, a row each, with every key that any of them has; lists as JSON."""
+    """Return the objects of all scenes, a row each, with the keys of all of them; lists as JSON."""
     rows = [{"scene": scene.number, **_flat(item)} for scene in scenes for item in scene.objects]
     columns = dict.fromkeys(name for row in rows for name in row)
     return [{name: row.get(name) for name in columns} for row in rows]
 
 
 def _flat(value: Mapping[str, Any], above: str = "") -> TomlTables:
-    """Values by dotted key."""
+    """Return values by dotted key."""
     out: TomlTables = {}
     for name, inner in value.items():
         key = f"{above}.{name}" if above else name
@@ -163,10 +163,10 @@ def _flat(value: Mapping[str, Any], above: str = "") -> TomlTables:
     return out
 
 
-def differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
-    """Dotted keys that are not the same in both; of a list of tables, such as ``vary``, the tables by their place."""
+def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    """Return dotted keys that differ; of a list of tables, such as ``vary``, the tables by their place."""
 
-    def spread(tables: Mapping[str, Any]) -> TomlTables:
+    def by_key(tables: Mapping[str, Any]) -> TomlTables:
         lists = {name: value for name, value in tables.items() if isinstance(value, list) and all(isinstance(v, Mapping) for v in value)}
         out = _flat({name: value for name, value in tables.items() if name not in lists})
         for name, items in lists.items():
@@ -174,5 +174,5 @@ def differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
                 out |= _flat(item, f"{name}[{i}]")
         return out
 
-    one, other = spread(there), spread(here)
-    return [key for key in dict.fromkeys((*one, *other)) if one.get(key) != other.get(key)]
+    before, after = by_key(old), by_key(new)
+    return [key for key in dict.fromkeys((*before, *after)) if before.get(key) != after.get(key)]

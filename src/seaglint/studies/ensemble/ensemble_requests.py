@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ScenesRequest(WorkRequest):
-    """Parameters of how many scenes are rendered."""
+    """Parameters of the rendering of many scenes."""
 
     threads: Annotated[
         int | None,
@@ -43,7 +43,7 @@ class DatasetRequest(ScenesRequest):
     image: Annotated[str | None, Parameter("png or tiff; default: png")] = None
 
     def options(self) -> DatasetOptions:
-        """Return how the data set is written, checked."""
+        """Return the checked format and pictures of the data set."""
         from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions
 
         return DatasetOptions.of(self.format, self.bits, self.image)

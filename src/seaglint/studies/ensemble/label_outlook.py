@@ -1,4 +1,4 @@
-"""Outlook on the labels of an ensemble before its scenes are rendered: objects out of view, and labels too weak to be seen."""
+"""Outlook on the labels of an ensemble before its scenes are rendered: objects out of view, and labels too weak to be visible."""
 
 from __future__ import annotations
 
@@ -16,30 +16,28 @@ from seaglint.base.threads import thread_limit
 from seaglint.formats.dataset.dataset_writing import BLUR, local_contrast
 from seaglint.scenario.model import Scenario
 from seaglint.store.layout import unpacked
-from seaglint.studies.ensemble.law_draws import EnsembleScene
+from seaglint.studies.ensemble.law_draws import EnsembleScene, prepared
 from seaglint.studies.sequence.out_of_view import out_of_view, times_of
-from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 from seaglint.studies.sequence.sequence_work import SceneCache
 
-MOST_SCENES: Final = 500  #: Scenes whose objects are looked for; a data set of more is judged by its first.
+MOST_SCENES: Final = 500  #: Largest number of scenes whose objects are checked; of more scenes the first are checked.
 
-MOST_NAMED: Final = 3  #: Objects out of view that are named; more are counted.
+MOST_NAMED: Final = 3  #: Largest number of objects out of view that are named; more are counted.
 
-MOST_FRAMES: Final = 6  #: Frames that are drawn for an estimate at most.
+MOST_FRAMES: Final = 6  #: Largest number of frames that are drawn for an estimate.
 
 SHARE: Final = 8  #: Frames of an ensemble for each one that is drawn for the estimate: it adds an eighth to the work at most.
 
 PATIENCE: Final = 15.0  #: Time after which no further frame is drawn for the estimate [s].
 
-WEAK: Final = 1.0  #: Signal-to-noise ratio below which a label is counted as weak: nobody sees such an object in a single picture.
+WEAK: Final = 1.0  #: Signal-to-noise ratio below which a label counts as weak: such an object is not visible in a single picture.
 
 
 def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
-    """Say how many objects of an ensemble are in no frame of their scene, with the first of them."""
-    looked, objects, count = scenes[:MOST_SCENES], 0, 0
+    """Report the number of objects of an ensemble that are in no frame of their scene, with the first of them."""
+    checked, objects, count = scenes[:MOST_SCENES], 0, 0
     named: list[str] = []
-    for scene in looked:
+    for scene in checked:
         scenario = scene.scenario
         if not scenario.objects:
             continue
@@ -50,7 +48,7 @@ def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
                 named.append(f"'{one.name}' of scene {scene.label}, {one.place}" + (", behind the horizon" if one.seen_to else ""))
     if not count:
         return
-    first = f" of the first {len(looked)} scenes" if len(looked) < len(scenes) else ""
+    first = f" of the first {len(checked)} scenes" if len(checked) < len(scenes) else ""
     more = f"; and {count - len(named)} more" if count > len(named) else ""
     REPORTS.warning(
         "%d of %d objects%s never enter the view and get no label: %s%s; point the sensor there, or place objects by column and row",
@@ -60,7 +58,7 @@ def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
 
 @dataclass(frozen=True)
 class WeakLabels:
-    """Estimate of how many labels are weak, from the first frames of some scenes."""
+    """Estimated number of weak labels, from the first frames of some scenes."""
 
     #: ``weak``, ``seen``: Labels with a ratio below :data:`WEAK`, and all labels with a ratio, in the frames drawn.
     weak: int
@@ -82,9 +80,9 @@ class WeakLabels:
 
 
 def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, patience: float = PATIENCE) -> WeakLabels | None:
-    """Estimate how many labels will be weak; None where there are no objects, or too few frames to draw one for an estimate.
+    """Estimate the number of weak labels; None without objects, or with too few frames to draw one for an estimate.
 
-    First frames of scenes spread over the ensemble are drawn as they will be, and their ratios are taken as a data set takes them.
+    First frames of scenes spread over the ensemble are drawn as for the data set, and their ratios are computed in the same way.
 
     Raises
     ------
@@ -105,6 +103,7 @@ def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, pat
         scenario = with_objects[int(place)]
         ratios += _ratios(scenario, cached)
         drawn, objects = drawn + 1, objects + len(scenario.objects or ())
+    # As many labels to an object in all frames as in the drawn ones.
     known = sum(len(scenario.objects or ()) * scenario.sensor.frames for scenario in with_objects)
     labels = round(known * len(ratios) / objects)
     weak = sum(ratio < WEAK for ratio in ratios)
@@ -114,19 +113,20 @@ def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, pat
 def _ratios(scenario: Scenario, cached: SceneCache) -> list[float]:
     """Return the signal-to-noise ratios of the labels in the first frame of a scene."""
     with thread_limit():
-        run = prepare_sensed(scenario, cached=cached) if scenario.sensor.senses else prepare_sequence(scenario, cached=cached)
+        run = prepared(scenario, cached)
         images = run.images(run.layout.frames[0])
     values = np.asarray(images["signal" if "signal" in images else "radiance"], np.float64)
     masks = [mask for mask in unpacked(images["object_mask"], len(scenario.objects or ())) if mask.any()]
     if not masks:
         return []
-    spread = binary_dilation(np.logical_or.reduce(masks), iterations=BLUR)
-    measured = (local_contrast(values, mask, spread) for mask in masks)
-    return [one[1] for one in measured if one is not None]
+    # Blur carries light of an object into its neighbourhood, which is no background there.
+    around = binary_dilation(np.logical_or.reduce(masks), iterations=BLUR)
+    contrasts = (local_contrast(values, mask, around) for mask in masks)
+    return [one[1] for one in contrasts if one is not None]
 
 
 def report_weak(scenes: Sequence[EnsembleScene]) -> None:
-    """Say how many labels will be weak, where some will; what cannot be drawn is reported when it is rendered."""
+    """Report the number of weak labels, if any; a scene that cannot be drawn is reported when it is rendered."""
     try:
         estimate = weak_labels(scenes)
     except SeaglintError:

@@ -1,6 +1,6 @@
-"""Places of objects by where they are in the first frame.
+"""Draws of an ensemble: uniform numbers, and the values that its laws give to keys, weather and objects, scene by scene.
 
-Uniform numbers of an ensemble, and what its laws make of them, scene by scene.
+Objects may be placed by pixel of the first frame; :class:`PixelGrid` gives their place on or above the sea.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
 
@@ -30,13 +30,16 @@ from seaglint.scenario.records.ensemble_tables import Choice, LogUniform, Normal
 from seaglint.scenario.records.record import Quantity
 from seaglint.scenario.text.toml_writing import document
 from seaglint.studies.build import scenario_physics
+from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
+from seaglint.studies.sequence.sensed_sequence import SensedSequence, prepare_sensed
+from seaglint.studies.sequence.sequence_work import SceneCache
 
 
 @dataclass(frozen=True)
 class PixelGrid:
-    """The first frame's grid of pixels: from a place in it to a place on or above the sea."""
+    """Grid of pixels of the first frame: from a place in it to a place on or above the sea."""
 
-    scenario: Scenario  #: Of the sensor.
+    scenario: Scenario  #: Scenario with the sensor.
 
     @cached_property
     def pose(self) -> Pose:
@@ -51,7 +54,7 @@ class PixelGrid:
     def place(
         self, column: float, row: float | None, *, range_m: float | None = None, height: float | None = None
     ) -> tuple[float, float, float]:
-        r"""East, north and height [m] of what is seen at a place in the first frame.
+        r"""Return east, north and height [m] of a place in the first frame.
 
         .. math:: (R' + h)\,\cos(\epsilon + s/R') = (R' + h_0)\,\cos\epsilon
 
@@ -88,11 +91,12 @@ class PixelGrid:
                     f"row = {row:.6g} looks {-height_m:.4g} m under the sea at range_m = {range_m:.6g}; give a lesser range_m, or a "
                     "height_m instead of one of the two"
                 )
+        # The line of sight stays in its vertical plane: the arc is divided like the horizontal part of its direction.
         level = math.hypot(east, north)
         return self.pose.east + arc * east / level, self.pose.north + arc * north / level, height_m
 
     def _arc(self, elevation: float, height: float, row: float) -> float:
-        """Arc to where a line of sight first comes to a height [m]."""
+        """Return the arc to the place at which a line of sight first reaches a height [m]."""
         cosine = (EFFECTIVE_EARTH_RADIUS + self.pose.height) * math.cos(elevation) / (EFFECTIVE_EARTH_RADIUS + height)
         falls = self.pose.height > height
         if cosine > 1.0 or (falls and elevation >= 0.0) or (not falls and elevation <= 0.0):
@@ -100,11 +104,12 @@ class PixelGrid:
                 f"row = {row:.6g} looks {math.degrees(elevation):+.4g} deg from the horizontal, which never comes to height_m = {height:g} "
                 f"from {self.pose.height:g} m; give rows that do, or range_m instead of row"
             )
-        there = math.acos(cosine)
-        return EFFECTIVE_EARTH_RADIUS * ((-there if falls else there) - elevation)
+        # Two places have that height; the first is on the side from which the line comes.
+        angle = math.acos(cosine)
+        return EFFECTIVE_EARTH_RADIUS * ((-angle if falls else angle) - elevation)
 
 
-MOST_TRIES: Final = 200  #: How often a place is drawn before objects count as too many to stand apart.
+MOST_TRIES: Final = 200  #: Number of draws of a place after which objects count as too many for their distance.
 
 _SEED_BITS: Final = 53  #: Bits of the seeds of seas: whole numbers that every reader of tables keeps.
 
@@ -115,11 +120,11 @@ SingleLaw = Uniform | LogUniform | Normal | Choice
 class EnsembleScene:
     """One scene of an ensemble."""
 
-    number: int  #: Counted from 0.
-    label: str  #: The number with leading zeros, as its files are called.
-    scenario: Scenario  #: What is rendered.
-    tables: TomlTables  #: The scenario as a file has it, paths absolute.
-    parameters: TableRow  #: What was drawn, by key: numbers in the key's unit.
+    number: int  #: Number, counted from 0.
+    label: str  #: Number with leading zeros, the name of its files.
+    scenario: Scenario  #: Scenario that is rendered.
+    tables: TomlTables  #: Tables of the scenario's file, paths absolute.
+    parameters: TableRow  #: Drawn values by key: numbers in the key's unit.
     objects: tuple[TomlTables, ...]  #: Tables of the objects drawn for it.
 
     @property
@@ -129,19 +134,19 @@ class EnsembleScene:
 
     @property
     def text(self) -> str:
-        """Its scenario file."""
+        """Text of its scenario file."""
         return document(self.tables, f"scene {self.number} of an ensemble; 'seaglint render' renders it alone to the same bytes")
 
     @property
     def row(self) -> TableRow:
-        """Its row of the table of parameters; lists and tables as JSON."""
+        """Row of the table of parameters; lists and tables as JSON."""
         drawn = {key: value for key, value in self.parameters.items() if key != "seed"}
         columns = {"scene": self.number, "seed": self.seed, **drawn}
         return {key: json.dumps(value) if isinstance(value, list | tuple | Mapping) else value for key, value in columns.items()}
 
 
 def sea_seed(seed: int, number: int) -> int:
-    """Seed of a scene's sea."""
+    """Return the seed of a scene's sea."""
     return int(stream(seed, "ensemble sea", number).integers(2**_SEED_BITS))
 
 
@@ -149,11 +154,11 @@ def sea_seed(seed: int, number: int) -> int:
 class UniformNumbers:
     """Uniform numbers of all scenes, by key [(scenes,) each]; each a function of seed, scene and key."""
 
-    ensemble: Ensemble  #: Whose.
-    keys: tuple[str, ...]  #: Those whose draws are spread over the scenes as ``sampling`` says.
+    ensemble: Ensemble  #: Ensemble with the settings of the draws.
+    keys: tuple[str, ...]  #: Keys whose draws are spread over the scenes by ``sampling``.
 
     @cached_property
-    def _spread(self) -> Mapping[str, FloatArray]:
+    def _points(self) -> Mapping[str, FloatArray]:
         settings, scenes = self.ensemble.ensemble, self.ensemble.ensemble.scenes
         if settings.sampling == "random" or not self.keys:
             return {}
@@ -169,26 +174,26 @@ class UniformNumbers:
         return {key: points[:scenes, i] for i, key in enumerate(self.keys)}
 
     def of(self, key: str, scene: int, *more: int) -> float:
-        """Number of a key in a scene; ``more`` counts tries."""
-        spread = self._spread.get(key)
-        return float(stream(self.ensemble.ensemble.seed, f"ensemble {key}", scene, *more).random() if spread is None else spread[scene])
+        """Return the number of a key in a scene; ``more`` counts tries."""
+        points = self._points.get(key)
+        return float(stream(self.ensemble.ensemble.seed, f"ensemble {key}", scene, *more).random() if points is None else points[scene])
 
 
 @dataclass(frozen=True, eq=False)
 class WeatherRows:
     """A weather table from which rows are drawn whole."""
 
-    law: Weather
-    table: WeatherTable
+    law: Weather  #: Columns and their keys.
+    table: WeatherTable  #: Rows that can be drawn, in the order of the wind.
 
     @classmethod
     def of(cls, law: Weather, name: str) -> WeatherRows:
-        """Read it and leave out what cannot be drawn.
+        """Read the table of a law and leave out rows that cannot be drawn.
 
         Raises
         ------
         SeaglintError
-            A file that cannot be read, or of which no row is left.
+            A file that cannot be read, or a table without a usable row.
         """
         table = read_weather(law.table or SHIPPED[0]).table
         try:
@@ -207,7 +212,8 @@ class WeatherRows:
             raise ScenarioError(f"{name}: {law.table or SHIPPED[0]}: {error}") from None
 
     def at(self, uniform: float, direction: float) -> TomlTables:
-        """Keys and values of a row; ``direction`` is a uniform number for a wind whose direction is missing."""
+        """Return keys and values of a row; ``direction`` is a uniform number for a wind whose direction is missing."""
+        # Below 1, so that the last row is drawn for it.
         row = int(self.table.draw(np.array([min(uniform, 1.0 - 2.0**-53)]))[0])
         out: TomlTables = {}
         for column, key in zip(self.law.columns, self.law.keys, strict=True):
@@ -219,13 +225,12 @@ class WeatherRows:
         return out
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class DrawnObjects:
     """Objects of a scene, drawn from templates: names, places and values."""
 
-    ensemble: Ensemble
-    numbers: UniformNumbers
-    _laws: dict[str, TomlTables] = field(default_factory=dict)
+    ensemble: Ensemble  #: Templates and laws.
+    numbers: UniformNumbers  #: Uniform numbers of the draws.
 
     def count(self, template: Template, scene: int) -> int:
         """Return the number of objects of a template."""
@@ -239,7 +244,7 @@ class DrawnObjects:
             raise ScenarioError(f"{where} = {value} {error} (scene {scene})") from None
 
     def draw(self, template: Template, count: int, scene: int, picture: PixelGrid, taken: list[tuple[float, float]]) -> list[TomlTables]:
-        """Tables of a template's objects; ``taken`` are places in the picture, which grow."""
+        """Return the tables of a template's objects; their places in the picture are added to ``taken``."""
         out = []
         for i in range(1, count + 1):
             name = f"{template.name}-{i}"
@@ -302,5 +307,10 @@ _METRES: Final = Quantity("m", ge=0)
 
 
 def count_key(template: Template) -> str:
-    """Column of a template's number of objects."""
+    """Return the column of a template's number of objects."""
     return f"objects.{template.name}.count"
+
+
+def prepared(scenario: Scenario, cached: SceneCache) -> SensedSequence | Sequence:
+    """Return the prepared sequence of a scenario, with its sensor if it has one; tables are shared through ``cached``."""
+    return prepare_sensed(scenario, cached=cached) if scenario.sensor.senses else prepare_sequence(scenario, cached=cached)

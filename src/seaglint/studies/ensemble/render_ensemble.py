@@ -1,6 +1,6 @@
-"""Ensembles: scenes drawn from the laws of a file, each a scenario of its own, rendered one by one.
+"""Ensembles: scenes drawn from the laws of a file, each a separate scenario, rendered one by one, and their expected cost.
 
-Expected time and room of an ensemble, from one frame of its first scene.
+The cost is the expected time and room of all scenes, from one frame of the first.
 """
 
 from __future__ import annotations
@@ -39,29 +39,28 @@ from seaglint.studies.ensemble.law_draws import (
     UniformNumbers,
     WeatherRows,
     count_key,
+    prepared,
     sea_seed,
 )
 from seaglint.studies.sequence.memory import give_back, require_memory_of_all
-from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 from seaglint.studies.sequence.sequence_work import SceneCache
 
-_MOST_NAMED: Final = 3  #: Scenes that failed, of which more are only counted.
+_MOST_NAMED: Final = 3  #: Largest number of failed scenes that an error names; more are counted.
 
 
 def draw(ensemble: Ensemble) -> list[EnsembleScene]:
-    """All scenes of an ensemble, each checked as a scenario.
+    """Draw all scenes of an ensemble, each checked as a scenario.
 
     Raises
     ------
     SeaglintError
-        The first scene that is no scenario, with the key and what was drawn for it.
+        The first scene that is no scenario, with the key and the value drawn for it.
     """
     return list(scenes(ensemble))
 
 
 def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
-    """Scenes one after the other; see :func:`draw`."""
+    """Iterate over the scenes of an ensemble; see :func:`draw`."""
     settings = ensemble.ensemble
     sampled = ["weather" if isinstance(law, Weather) else law.key or "" for law in ensemble.vary]
     sampled += [count_key(template) for template in ensemble.objects if not isinstance(template.count, int)]
@@ -81,7 +80,7 @@ def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
             tables.setdefault("sensor", {})["frames"] = settings.frames
         for key, value in parameters.items():
             set_key(tables, key, list(value) if isinstance(value, tuple) else copy.deepcopy(value), where)
-        made: list[TableRow] = []
+        drawn: list[TableRow] = []
         if ensemble.objects:
             # Places in the picture need the sensor, as it is drawn, before there are objects.
             picture = PixelGrid(_checked(ensemble, {k: v for k, v in tables.items() if k != "objects"}, parameters, where))
@@ -89,11 +88,18 @@ def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
             for template in ensemble.objects:
                 count = objects.count(template, number)
                 parameters[count_key(template)] = count
-                made += objects.draw(template, count, number, picture, taken)
-            if made or "objects" in tables:
-                tables["objects"] = [*tables.get("objects", []), *made]
+                drawn += objects.draw(template, count, number, picture, taken)
+            if drawn or "objects" in tables:
+                tables["objects"] = [*tables.get("objects", []), *drawn]
         scenario = _checked(ensemble, tables, parameters, where)
-        yield EnsembleScene(number, f"{number:0{width}d}", scenario, with_absolute_paths(tables, scenario), parameters, tuple(made))
+        yield EnsembleScene(
+            number=number,
+            label=f"{number:0{width}d}",
+            scenario=scenario,
+            tables=with_absolute_paths(tables, scenario),
+            parameters=parameters,
+            objects=tuple(drawn),
+        )
 
 
 def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: UniformNumbers, scene: int) -> Any:
@@ -103,7 +109,7 @@ def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: UniformNumbe
     try:
         return value_of(law, numbers.of(key, scene), quantity, f"{ensemble.name}: vary[{place}] ({key})")
     except ScenarioError:
-        if quantity is None:  # text with a unit for a key that there is not: the key is what is wrong
+        if quantity is None:  # text with a unit for an unknown key: the error is about the key
             tables = copy.deepcopy(ensemble.base)
             set_key(tables, key, "", ensemble.name)
             _checked(ensemble, tables, {}, f"{ensemble.name}: vary[{place}]")
@@ -111,7 +117,7 @@ def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: UniformNumbe
 
 
 def _checked(ensemble: Ensemble, tables: Mapping[str, Any], parameters: Mapping[str, Any], where: str) -> Scenario:
-    """The scenario of a scene; of its mistakes the first, with what was drawn."""
+    """Return the scenario of a scene; the error has its first mistake, with the drawn value."""
     try:
         return parse_scenario(tables, name=where, base=ensemble.folder)
     except ScenarioError as error:
@@ -146,7 +152,7 @@ def render_ensemble(
         Folder to make: ``ensemble.toml``, ``parameters.csv``, ``objects.csv`` (both also as Parquet where PyArrow is installed), and
         ``scenes/0000.toml``, ``scenes/0000.zarr`` and so on.
     workers : Workers, optional
-        Who renders; this process by default. The bytes do not depend on it.
+        Workers that render; this process by default. The bytes do not depend on it.
     threads : int, optional
         Processor threads of each worker; all by default.
     resume, overwrite : bool
@@ -164,9 +170,9 @@ def render_ensemble(
     Raises
     ------
     DataError
-        The folder holds another ensemble, or scenes failed: the others are there, and ``failures/`` has a traceback of each.
+        The folder holds another ensemble, or scenes failed: the others are rendered, and ``failures/`` has a traceback of each.
     Interrupted
-        After SIGINT or SIGTERM; what is done stays and can be resumed.
+        After SIGINT or SIGTERM; finished scenes stay and the ensemble can be resumed.
     SeaglintError
         See :func:`draw`; nothing is written then.
     """
@@ -176,9 +182,10 @@ def render_ensemble(
     report_unseen(drawn)
     if not draw_only:
         require_memory_of_all(scene.scenario for scene in drawn)
-    with ExitStack() as held:
+    with ExitStack() as stack:
         with storage_errors(folder.path, "choose another folder"):
-            held.enter_context(exclusive(folder.path))
+            stack.enter_context(exclusive(folder.path))
+        # Another process may have written the folder before this one had it for itself.
         folder.check(resume=resume, overwrite=overwrite)
         folder.write(ensemble, drawn, resume=resume, overwrite=overwrite)
         if not draw_only:
@@ -197,7 +204,7 @@ class Rendering:
 
 
 def scene_renderer(settings: Rendering) -> Callable[[str], int]:
-    """Function that renders the scene of a label, or the rest of it, and returns its number of frames."""
+    """Return the function that renders the scene of a label, or the rest of it, and returns its number of frames."""
     folder, cached = Folder(settings.folder), SceneCache()
 
     def work(label: str) -> int:
@@ -214,10 +221,10 @@ def scene_renderer(settings: Rendering) -> Callable[[str], int]:
 
 
 def render_scene(scenario: Scenario, output: Path, threads: int | None, cached: SceneCache) -> None:
-    """Render a scene, or the rest of it: what 'seaglint render' writes of its scenario, with what it shares with the one before."""
+    """Render a scene, or the rest of it, as 'seaglint render' does; tables shared with the scene before are taken from ``cached``."""
     check_output(output, resume=True)
     with thread_limit(threads):
-        run = prepare_sensed(scenario, cached=cached) if scenario.sensor.senses else prepare_sequence(scenario, cached=cached)
+        run = prepared(scenario, cached)
         write_sequence(output, run.layout, run.images, resume=True)
 
 
@@ -227,11 +234,11 @@ def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, thre
     done, failed = len(labels) - len(missing), dict[str, str]()
     tell = progress or (lambda done, total: None)
     tell(done, len(labels))
-    # Workers' own processes get no signals: leaving their context ends them, at once. Here a scene's frame at hand is finished.
-    with ExitStack() as held:
-        stopped = held.enter_context(stop_on_signal(at_once=workers is not None))
+    # Workers' own processes get no signals: leaving their context ends them at once. In this process the current frame is finished.
+    with ExitStack() as stack:
+        stopped = stack.enter_context(stop_on_signal(at_once=workers is not None))
         try:
-            outcomes = held.enter_context(
+            outcomes = stack.enter_context(
                 (workers or ThisProcess()).map(Job(scene_renderer, Rendering(folder.path.absolute(), threads)), missing)
             )
             for outcome in outcomes:
@@ -265,17 +272,17 @@ _STRIP: Final = 16
 
 @dataclass(frozen=True)
 class ExpectedCost:
-    """Expected time [s] and greatest room [bytes] of an ensemble's scenes, on this machine alone."""
+    """Expected cost of an ensemble's scenes, on this machine alone."""
 
-    seconds: float
-    size: int
+    seconds: float  #: Time [s].
+    size: int  #: Largest room [bytes].
 
 
 def expected_cost(first: Scenario, second: Scenario, scenes: int) -> ExpectedCost:
-    """Return what rendering some scenes costs, all frames taken as the first one of the first scene.
+    """Return the expected cost of rendering some scenes, with the first frame of the first scene for all frames.
 
-    A narrow strip compiles what is not compiled yet; then the scene is made ready and its first frame is drawn, by the clock. The second
-    scene is made ready as all further ones are, with what it shares with the first. The room is that of pixels as they are kept, without
+    A narrow strip compiles the kernels first; then the preparation of the scene and the drawing of its first frame are timed. The second
+    scene is prepared like all further ones, with the tables that it shares with the first. The room is that of stored pixels without
     compression.
     """
     columns, rows = first.sensor.pixels
@@ -288,7 +295,7 @@ def expected_cost(first: Scenario, second: Scenario, scenes: int) -> ExpectedCos
 
 
 def _times(scenario: Scenario, cached: SceneCache) -> tuple[float, float]:
-    """Times of making a scenario ready and of drawing its first frame [s]."""
+    """Return the times of preparing a scenario and of drawing its first frame [s]."""
     run, ready = _ready(scenario, cached)
     start = time.perf_counter()
     run.images(next(iter(run.layout.frames)))
@@ -296,7 +303,7 @@ def _times(scenario: Scenario, cached: SceneCache) -> tuple[float, float]:
 
 
 def _ready(scenario: Scenario, cached: SceneCache) -> tuple[Any, float]:
-    """Scenario made ready, and the time that it took [s]."""
+    """Return the prepared scenario, and the time of its preparation [s]."""
     start = time.perf_counter()
-    run = prepare_sensed(scenario, cached=cached) if scenario.sensor.senses else prepare_sequence(scenario, cached=cached)
+    run = prepared(scenario, cached)
     return run, time.perf_counter() - start

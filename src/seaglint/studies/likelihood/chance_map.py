@@ -1,7 +1,4 @@
-"""Maps of the likelihood of glint over a region, month by month.
-
-Chances of glint in three sea regions, for the figure of the documentation: what latitude alone makes of one weather.
-"""
+"""Maps of the likelihood of glint over a region, month by month."""
 
 from __future__ import annotations
 
@@ -19,18 +16,17 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import ScenarioError
 from seaglint.base.parameters import documented
-from seaglint.climate.conditions import Conditions, GeographicRegion, Times, conditions, months_of
+from seaglint.climate.conditions import Conditions, GeographicRegion, Times, conditions
 from seaglint.climate.draws import SamplingPlan
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
-from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.store.provenance import provenance
 from seaglint.studies.build.profile_air import report_air
 from seaglint.studies.build.scenario_physics import band
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
-from seaglint.studies.likelihood.glint_chance import draw, measured, numbers, seen
+from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
 if TYPE_CHECKING:
@@ -44,7 +40,7 @@ INTEGRATED: Final = 64  #: Draws for each cell and month where each draw integra
 _SHARED: Final = 2048  #: Most draws for all cells of a latitude where longitude does not matter.
 
 _MOST: Final = 100_000
-_TOGETHER: Final = 1_000_000  #: Draws that are worked on together: some 300 MB.
+_TOGETHER: Final = 1_000_000  #: Draws of a piece at most: some 300 MB.
 
 
 @documented(LikelihoodRequest)
@@ -57,26 +53,26 @@ def likelihood_map(
     progress: Progress | None = None,
     workers: Workers | None = None,
 ) -> xr.Dataset:
-    """Chance that glint exceeds each threshold, over cells of the region and months.
+    """Return the chance that glint exceeds each threshold, over cells of the region and months.
 
     Parameters
     ----------
     scenario : Scenario
-        With a region in ``[likelihood]``.
+        Scenario with a region in ``[likelihood]``.
     {request}
     samples : int, optional
         Draws for each cell and month; :data:`INTEGRATED` where azimuths can be integrated, else :data:`SAMPLES`.
     weather : WeatherTable, optional
-        Instead of the scenario's.
+        Weather that replaces the scenario's.
     progress : callable, optional
-        Told months done and all of them.
+        Called with (months done, months in all).
     workers : Workers, optional
-        Who does the months and bands of latitude; this process where nobody is named. Results do not depend on it.
+        Workers for months and bands of latitude; this process by default. Results do not depend on it.
 
     Returns
     -------
     Dataset
-        ``probability`` over ``threshold, month, latitude, longitude`` (middles of cells); ``rows``, how many rows of weather a cell has.
+        ``probability`` over ``threshold, month, latitude, longitude`` (middles of cells); ``rows``, the rows of weather in each cell.
 
     Raises
     ------
@@ -85,9 +81,9 @@ def likelihood_map(
 
     Notes
     -----
-    A weather table with places gives every cell the rows inside it, and where it has none, those of the nearest place; without places
+    A weather table with places gives every cell the rows inside it, or the rows of the nearest place if no row is inside; without places
     all cells have all rows. All cells share their uniform numbers, so that neighbours differ by weather and Sun alone. Where neither the
-    weather nor the hours that count know the clock, all cells of a latitude are alike, and are drawn together.
+    weather nor the hours depend on the clock, all cells of a latitude are alike, and are drawn together.
     """
     import xarray as xr
 
@@ -95,7 +91,7 @@ def likelihood_map(
     cells = PreparedMap.of(settings)
     tell = progress or (lambda done, total: None)
     latitude, longitude, months = cells.latitude, cells.longitude, cells.months
-    out = np.empty((len(cells.model.wanted.threshold_w_m2_sr), len(months), latitude.size, longitude.size))
+    out = np.empty((len(cells.model.settings.threshold_w_m2_sr), len(months), latitude.size, longitude.size))
     pieces = [(m, first) for m in range(len(months)) for first in range(0, latitude.size, cells.together)]
     left = Counter(m for m, _ in pieces)
     tell(0, len(months))
@@ -111,7 +107,7 @@ def likelihood_map(
             "rows": (("latitude", "longitude"), cells.row_counts, {"units": "1"}),
         },
         coords={
-            "threshold": ("threshold", list(cells.model.wanted.threshold_w_m2_sr), {"units": "W m-2 sr-1"}),
+            "threshold": ("threshold", list(cells.model.settings.threshold_w_m2_sr), {"units": "W m-2 sr-1"}),
             "month": list(months),
             "latitude": ("latitude", latitude, {"units": "degrees_north"}),
             "longitude": ("longitude", longitude, {"units": "degrees_east"}),
@@ -120,8 +116,8 @@ def likelihood_map(
             "Likelihood of sea glint by month",
             scenario.model_dump_json(exclude_none=True),
             scenario.seed,
-            case=cells.model.wanted.case,
-            quantity=cells.model.wanted.quantity,
+            case=cells.model.settings.case,
+            quantity=cells.model.settings.quantity,
             samples=cells.plan.total,
             notes="; ".join(cells.model.notes),
         ),
@@ -139,14 +135,14 @@ class MapSettings(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PreparedMap:
-    """A map made ready, of which pieces are computed in any order."""
+    """Prepared map, of which pieces are computed in any order."""
 
-    model: LikelihoodModel  #: Of the scenario.
+    model: LikelihoodModel  #: Model of the scenario.
     #: ``latitude``, ``longitude``: Middles of the cells [deg].
     latitude: FloatArray
     longitude: FloatArray
     months: tuple[int, ...]  #: Months that count.
-    rows: list[NDArray[np.intp]] | None  #: Rows of weather of each cell; None where all have all.
+    rows: list[NDArray[np.intp]] | None  #: Rows of weather of each cell; None where every cell has all rows.
     across: FloatArray  #: Longitudes that are drawn [deg]: one where all are alike.
     plan: SamplingPlan  #: Draws of a cell.
     whole: bool  #: Whether azimuths are integrated.
@@ -157,10 +153,11 @@ class PreparedMap:
         """Read the weather and lay out the cells."""
         step = settings.step
         model = LikelihoodModel.of(settings.scenario, settings.weather)
-        likelihood = model.wanted
+        likelihood = model.settings
         if not isinstance(model.where, GeographicRegion):
             raise ScenarioError("likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders")
         region = model.where
+        # A region may cross the date line.
         wide = region.east - region.west if region.east > region.west else region.east - region.west + 360.0
         north, east = (np.arange(0.5 * step, size + 1e-9, step) for size in (region.north - region.south, wide))
         if north.size == 0 or east.size == 0 or north.size * east.size > _MOST:
@@ -172,9 +169,20 @@ class PreparedMap:
         known = isinstance(model.when, Times) and model.when.hours == (0.0, 24.0) and np.isnan(model.table["hour_utc"]).all()
         alike = bool(rows is None and known)
         each = min(samples * longitude.size, max(samples, _SHARED)) if alike else samples
+        # Sobol points are even in powers of two.
         plan = SamplingPlan(1, 2 ** round(math.log2(each)))
         months = tuple(likelihood.months or range(1, 13))
-        return cls(model, latitude, longitude, months, rows, longitude[:1] if alike else longitude, plan, whole, step)
+        return cls(
+            model=model,
+            latitude=latitude,
+            longitude=longitude,
+            months=months,
+            rows=rows,
+            across=longitude[:1] if alike else longitude,
+            plan=plan,
+            whole=whole,
+            step=step,
+        )
 
     @property
     def together(self) -> int:
@@ -183,23 +191,23 @@ class PreparedMap:
 
     @property
     def row_counts(self) -> NDArray[np.int64]:
-        """How many rows of weather each cell has [(latitudes, longitudes)]."""
+        """Number of rows of weather of each cell [(latitudes, longitudes)]."""
         shape = (self.latitude.size, self.longitude.size)
         return np.full(shape, len(self.model.table)) if self.rows is None else np.array([c.size for c in self.rows]).reshape(shape)
 
     def piece(self, month: int, first: int) -> FloatArray:
-        """Chances of a month, by its place among those that count, from a latitude on [(thresholds, latitudes, longitudes drawn)]."""
+        """Return chances of a month, by its place among the months, from a latitude on [(thresholds, latitudes, longitudes drawn)]."""
         of_month, u = self._of_month(month)
         band = slice(first, min(first + self.together, self.latitude.size))
         count = (band.stop - first) * self.across.size
         places = _inside(self.latitude[band], self.across, self.step, u)
         tiled = {name: np.tile(values, count) for name, values in u.items()}
         of_cells = None if self.rows is None else self.rows[first * self.across.size :][:count]
-        drawn = seen(of_month, tiled, _drawn(of_month, tiled, places, of_cells), self.plan, integrated=self.whole)
+        drawn = evaluated(of_month, tiled, _drawn(of_month, tiled, places, of_cells), self.plan, integrated=self.whole)
         weight = drawn.weight.reshape(-1, self.across.size, self.plan.total)
-        out = np.empty((len(self.model.wanted.threshold_w_m2_sr), *weight.shape[:2]))
-        for t, threshold in enumerate(self.model.wanted.threshold_w_m2_sr):
-            values = measured(of_month, drawn, threshold).reshape(weight.shape)
+        out = np.empty((len(self.model.settings.threshold_w_m2_sr), *weight.shape[:2]))
+        for t, threshold in enumerate(self.model.settings.threshold_w_m2_sr):
+            values = draw_values(of_month, drawn, threshold).reshape(weight.shape)
             out[t] = (values * weight).sum(axis=2) / weight.sum(axis=2)
         return out
 
@@ -208,16 +216,16 @@ class PreparedMap:
         return {}
 
     def _of_month(self, month: int) -> tuple[LikelihoodModel, dict[str, FloatArray]]:
-        """Model and uniform numbers of a month; the latest is kept."""
+        """Return model and uniform numbers of a month; the latest is cached."""
         if month not in self._of_months:
             self._of_months.clear()
             model = self.model.of_months((self.months[month],))
-            self._of_months[month] = (model, numbers(model, self.plan, self.model.scenario.seed))
+            self._of_months[month] = (model, uniform_numbers(model, self.plan, self.model.scenario.seed))
         return self._of_months[month]
 
 
 def mapper(settings: MapSettings) -> Callable[[tuple[int, int]], FloatArray]:
-    """Function of a piece of the map: a chance a cell is all that travels."""
+    """Return the function of a piece of the map; workers receive settings and return one chance for each cell."""
     cells = PreparedMap.of(settings)
     return lambda piece: cells.piece(*piece)
 
@@ -226,7 +234,7 @@ def mapper(settings: MapSettings) -> Callable[[tuple[int, int]], FloatArray]:
 def _outcomes(
     cells: PreparedMap, settings: MapSettings, pieces: list[tuple[int, int]], workers: Workers | None
 ) -> Iterator[Iterator[tuple[tuple[int, int], FloatArray]]]:
-    """Pieces and their chances, in any order."""
+    """Iterate over pieces and their chances, in any order."""
     if workers is None:
         yield ((piece, cells.piece(*piece)) for piece in pieces)
         return
@@ -238,21 +246,22 @@ def _outcomes(
 def _drawn(
     model: LikelihoodModel, u: dict[str, FloatArray], places: tuple[FloatArray, FloatArray], cells: list[NDArray[np.intp]] | None
 ) -> Conditions:
-    """Weather and times at places, cell by cell; ``cells`` are the rows of weather of each."""
+    """Draw weather and times at places, cell by cell; ``cells`` are the rows of weather of each."""
     if cells is None:
         return replace(conditions(model.table, u, model.when, places, by_daylight=True), latitude=places[0], longitude=places[1])
     size = places[0].size // len(cells)
     parts = []
     for k, rows in enumerate(cells):
-        here = slice(k * size, (k + 1) * size)
-        own = {name: values[here] for name, values in u.items()}
-        parts.append(conditions(model.table, own, model.when, (places[0][here], places[1][here]), rows, by_daylight=True))
+        cell = slice(k * size, (k + 1) * size)
+        own = {name: values[cell] for name, values in u.items()}
+        parts.append(conditions(model.table, own, model.when, (places[0][cell], places[1][cell]), rows, by_daylight=True))
     weight = None if parts[0].weight is None else np.concatenate([p.weight for p in parts if p.weight is not None])
     return Conditions(np.concatenate([p.rows for p in parts]), np.concatenate([p.time for p in parts]), *places, weight)
 
 
 def _inside(latitude: FloatArray, longitude: FloatArray, step: float, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Places of the draws in each cell, cell by cell [deg]."""
+    """Return the places of the draws in each cell, cell by cell [deg]."""
+    # Uniform within each cell; the date line wraps.
     north = np.clip(latitude[:, None, None] + step * (u["across"] - 0.5), -90.0, 90.0)
     east = (longitude[:, None] + step * (u["along"] - 0.5) + 180.0) % 360.0 - 180.0
     shape = (latitude.size, longitude.size, u["across"].size)
@@ -260,13 +269,14 @@ def _inside(latitude: FloatArray, longitude: FloatArray, step: float, u: dict[st
 
 
 def _cells(table: WeatherTable, latitude: FloatArray, longitude: FloatArray) -> list[NDArray[np.intp]] | None:
-    """Rows of each cell, row by row of the map; None where the table has no places."""
+    """Return the rows of weather of each cell, row by row of the map; None where the table has no places."""
     known = ~(np.isnan(table["latitude_deg"]) | np.isnan(table["longitude_deg"])) & (table["weight"] > 0.0)
     if not known.any():
         return None
     rows = np.flatnonzero(known)
     place = np.stack([table["latitude_deg"][rows], table["longitude_deg"][rows]], axis=1)
     spots, spot = np.unique(place, axis=0, return_inverse=True)
+    # Rows grouped by their place, so that each place is compared with a cell once.
     by_spot = np.split(rows[np.argsort(spot, kind="stable")], np.cumsum(np.bincount(spot))[:-1])
     step = float(latitude[1] - latitude[0]) if latitude.size > 1 else 1.0
     out = []
@@ -275,46 +285,7 @@ def _cells(table: WeatherTable, latitude: FloatArray, longitude: FloatArray) -> 
             north, east = spots[:, 0] - lat, (spots[:, 1] - lon + 180.0) % 360.0 - 180.0
             inside = np.flatnonzero((np.abs(north) <= 0.5 * step) & (np.abs(east) <= 0.5 * step))
             if inside.size == 0:
+                # The nearest place, with the longitudes shortened by the latitude.
                 inside = np.array([np.argmin(north**2 + (east * np.cos(np.radians(lat))) ** 2)])
             out.append(np.concatenate([by_spot[k] for k in inside]))
     return out
-
-
-#: Latitudes and longitudes [deg].
-REGIONS: Final = {
-    "Norwegian Sea, 65-72 N": ((65.0, 72.0), (-5.0, 15.0)),
-    "open North Atlantic, 45-58 N": ((45.0, 58.0), (-45.0, -12.0)),
-    "Azores to Canaries, 27-40 N": ((27.0, 40.0), (-32.0, -14.0)),
-}
-
-THRESHOLDS: Final = (0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 25.0)
-_MONTHLY: Final = THRESHOLDS.index(0.25)
-
-
-def regions(samples: int = 131_072) -> dict[str, dict[str, FloatArray]]:
-    """Chances by threshold, and by month at 0.25 W m-2 sr-1, of a single look towards the Sun within 15 deg; packaged weather for all."""
-    results = {}
-    first: LikelihoodModel | None = None
-    for name, (latitudes, longitudes) in REGIONS.items():
-        settings = {
-            "threshold_w_m2_sr": list(THRESHOLDS),
-            "latitudes_deg": list(latitudes),
-            "longitudes_deg": list(longitudes),
-            "azimuth_from_sun_deg": [-15.0, 15.0],
-            "samples": samples,
-        }
-        model = LikelihoodModel.of(
-            parse_scenario({"band": {"min_um": 3.0, "max_um": 5.0}, "sensor": {"height_m": 30.0}, "likelihood": settings})
-        )
-        if first is not None:
-            model.share(first)
-        first = first or model
-        drawn = draw(model)
-        values = [measured(model, drawn, threshold) for threshold in THRESHOLDS]
-        month = months_of(drawn.time)
-        results[name] = {
-            "threshold": np.array(THRESHOLDS),
-            "probability": np.array([np.average(v, weights=drawn.weight) for v in values]),
-            "by_month": np.array([np.average(values[_MONTHLY][month == m], weights=drawn.weight[month == m]) for m in range(1, 13)]),
-        }
-    return results

@@ -1,4 +1,4 @@
-"""From a scenario with ``[likelihood]`` to what its draws need: weather, times, places, seas and sunlight at any wind."""
+"""Model of the draws of a scenario with ``[likelihood]``: weather, times, places, seas and sunlight at any wind."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ from seaglint.formats.lowtran.deck import MODELS
 from seaglint.formats.weather.weather_cells import read_cells
 from seaglint.formats.weather.weather_file import SHIPPED, read_weather
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere_table as wanted_air
-from seaglint.scenario.records import sea_tables as wanted_slopes
+from seaglint.scenario.records.atmosphere_table import TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
+from seaglint.scenario.records.sea_tables import FlatSlopes, SpectrumSlopes
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
@@ -49,13 +49,13 @@ LOOK_COLUMNS = ("depression_deg", "azimuth_from_sun_deg", "height_m", "weight")
 class LikelihoodModel:
     """Weather, times, places, seas and sunlight for the draws of one scenario. Make it with :meth:`of`."""
 
-    scenario: Scenario  #: With ``[likelihood]``.
+    scenario: Scenario  #: Scenario with ``[likelihood]``.
     table: WeatherTable  #: Rows with wind and cover, in the order of the wind.
     models: tuple[str, ...]  #: Model atmospheres that rows name; the scenario's where they name none.
     row_model: NDArray[np.int64]  #: Place of each row's model among them.
-    winds: tuple[float, float]  #: Winds that seas and air cover [m/s].
+    winds: tuple[float, float]  #: Lowest and highest wind of seas and air [m/s].
     looks: Mapping[str, FloatArray]  #: Columns of a table of looks, angles in radians; empty without one.
-    notes: tuple[str, ...]  #: What was decided about the data, with counts.
+    notes: tuple[str, ...]  #: Remarks on the data, with counts.
 
     @classmethod
     def of(cls, scenario: Scenario, weather: WeatherTable | None = None) -> LikelihoodModel:
@@ -64,9 +64,9 @@ class LikelihoodModel:
         Raises
         ------
         ScenarioError, DataError, DomainError
-            What files and models refuse.
+            Files or settings that models refuse.
         """
-        settings = wanted_of(scenario)
+        settings = likelihood_table(scenario)
         notes: list[str] = []
         if weather is None:
             weather, source = _weather(settings)
@@ -87,16 +87,17 @@ class LikelihoodModel:
             )
         models, row_model = _models(scenario, table)
         winds = _winds(scenario, table, notes)
-        return cls(scenario, table, models, row_model, winds, _looks(settings, notes), tuple(notes))
+        looks = _looks(settings, notes)
+        return cls(scenario=scenario, table=table, models=models, row_model=row_model, winds=winds, looks=looks, notes=tuple(notes))
 
     @property
-    def wanted(self) -> Likelihood:
+    def settings(self) -> Likelihood:
         """The scenario's table ``[likelihood]``."""
-        return wanted_of(self.scenario)
+        return likelihood_table(self.scenario)
 
     @cached_property
     def sun(self) -> SunPosition | None:
-        """The Sun where it is given."""
+        """Stated Sun; None where it is drawn."""
         return sun_position(self.scenario) if self.scenario.sun is not None else None
 
     @cached_property
@@ -106,21 +107,21 @@ class LikelihoodModel:
             return None
         if self.scenario.time is not None:
             return timestamp(self.scenario.time.utc)
-        return Times(self.wanted.year, self.wanted.months or (), self.wanted.hours_utc)
+        return Times(self.settings.year, self.settings.months or (), self.settings.hours_utc)
 
     @cached_property
     def where(self) -> GeographicRegion | tuple[float, float] | None:
         """Law of the place."""
-        settings, place = self.wanted, self.scenario.place
+        settings, place = self.settings, self.scenario.place
         if settings.latitudes_deg is not None and settings.longitudes_deg is not None:
             return GeographicRegion(*settings.latitudes_deg, *settings.longitudes_deg)
         return None if place is None else (place.latitude_deg, place.longitude_deg)
 
     @cached_property
     def ephemeris(self) -> Ephemeris:
-        """The Sun over all times that count."""
+        """Ephemeris of the Sun over all times that are drawn."""
         when = self.when
-        return Ephemeris.between(when, when) if isinstance(when, float) else Ephemeris.of_year(self.wanted.year)
+        return Ephemeris.between(when, when) if isinstance(when, float) else Ephemeris.of_year(self.settings.year)
 
     @property
     def heights(self) -> tuple[float, float]:
@@ -128,53 +129,55 @@ class LikelihoodModel:
         if "height_m" in self.looks:
             return float(self.looks["height_m"].min()), float(self.looks["height_m"].max())
         height = self.scenario.sensor.height_m
-        return self.wanted.height_m or (height, height)
+        return self.settings.height_m or (height, height)
 
     @property
     def depression(self) -> tuple[float, float]:
-        """Lowest and highest depression that is looked at [rad], field of view included."""
-        low, high = np.radians(self.wanted.depression_deg)
+        """Lowest and highest depression of a look [rad], field of view included."""
+        low, high = np.radians(self.settings.depression_deg)
         if "depression_deg" in self.looks:
             low, high = self.looks["depression_deg"].min(), self.looks["depression_deg"].max()
-        more = 0.5 * math.radians(self.wanted.field_deg[1]) if self.wanted.case == "field-of-view" else 0.0
+        # Half of the field above and below the line of sight.
+        more = 0.5 * math.radians(self.settings.field_deg[1]) if self.settings.case == "field-of-view" else 0.0
         return float(low) - more, min(float(high) + more, 0.5 * math.pi)
 
     @property
     def search(self) -> Search:
-        """Directions that count as one look."""
+        """Directions that are searched as one look."""
         low, high = self.depression
         depressions = 12 if high > low + 1e-9 else 1
-        match self.wanted.case:
+        match self.settings.case:
             case "single-look":
                 return Search()
             case "trajectory":
                 return Search(depressions, 1, 4 if depressions > 1 else 0)
             case "field-of-view":
-                half = 0.5 * math.radians(self.wanted.field_deg[0])
+                half = 0.5 * math.radians(self.settings.field_deg[0])
                 return Search(depressions, 5 if half > 0.0 else 1, 4, half)
 
     @cached_property
     def light(self) -> MirroredLight:
         """Sunlight through the air of every model atmosphere."""
         scenario, over = self.scenario, scenario_physics.band(self.scenario)
-        of_table = isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings)
-        one = None if of_table else scenario_physics.atmosphere(scenario, over)
+        of_table = isinstance(scenario.atmosphere, TableAtmosphereSettings)
+        same = None if of_table else scenario_physics.atmosphere(scenario, over)
 
         edges, article = (over.min_um, over.max_um), scenario.mean.mode == "article"
         profiles: dict[str, AirProfile] = {}
         windy: dict[str, WindyAir] = {}
         spectroscopy: Spectroscopy = "lblrtm"
-        if isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings):
+        if isinstance(scenario.atmosphere, TableAtmosphereSettings):
             spectroscopy, gases = scenario.atmosphere.spectroscopy, requested_gases(scenario.atmosphere)
             profiles = {model: with_gases(model_profile(model), gases) for model in self.models}
             windy = {model: WindyAir.of(profile, wavenumber_grid(*edges), spectroscopy) for model, profile in profiles.items()}
 
         def air_at(model: str, wind: float) -> Any:
-            if one is not None:
-                return one
-            # the article's way asks for emission too
+            if same is not None:
+                return same
+            # The article's mode needs the emission of the air as well.
             return model_air(model, wind, edges, "lowtran", spectroscopy) if article else windy[model].at(wind)
 
+        # Kinks of the haze's laws in the wind are nodes of the interpolation.
         top = min(self.winds[1], NAVY_AEROSOL_WIND[1])
         winds = (0.0, top) if of_table else None
         water = scenario_physics.water(scenario)
@@ -198,12 +201,12 @@ class LikelihoodModel:
     @cached_property
     def bandwidth(self) -> dict[str, float]:
         """Bandwidth of the smooth bootstrap, by column; empty without."""
-        return bandwidths(self.table) if self.wanted.smooth else {}
+        return bandwidths(self.table) if self.settings.smooth else {}
 
     @cached_property
     def curve(self) -> DetectionCurve | None:
-        """Chance of detection against contrast, where one is handed in."""
-        path = self.wanted.detection_curve
+        """Chance of detection against contrast; None where none is stated."""
+        path = self.settings.detection_curve
         if path is None:
             return None
         cells = read_cells(path)
@@ -217,30 +220,31 @@ class LikelihoodModel:
 
     @property
     def gives_wind_direction(self) -> bool:
-        """True where the scenario gives the wind's direction."""
+        """True if the scenario states the wind's direction."""
         return "wind" in self.scenario.model_fields_set and "from_deg" in self.scenario.wind.model_fields_set
 
     def share(self, other: LikelihoodModel) -> None:
         """Take over the tables of a model with the same air, sea, geometry and year."""
+        # Cached properties are copied: the other model need not have computed them before.
         self.__dict__.update({name: getattr(other, name) for name in _SHARED})
 
     def of_months(self, months: tuple[int, ...]) -> LikelihoodModel:
         """Return the model for other months; tables of air and sea are shared."""
-        settings = self.wanted.model_copy(update={"months": months})
+        settings = self.settings.model_copy(update={"months": months})
         new = replace(self, scenario=self.scenario.model_copy(update={"likelihood": settings}))
         new.share(self)
         return new
 
 
-def wanted_of(scenario: Scenario) -> Likelihood:
-    """The scenario's ``[likelihood]``; refused where there is none."""
+def likelihood_table(scenario: Scenario) -> Likelihood:
+    """Return the scenario's table ``[likelihood]``; a scenario without it is refused."""
     if scenario.likelihood is None:
         raise ScenarioError("likelihood is missing: add a table [likelihood] with weather, threshold_w_m2_sr and case")
     return scenario.likelihood
 
 
 def _weather(settings: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
-    """The table named, or the one of the package."""
+    """Return the named table, or the packaged one, with remarks."""
     if settings.weather is None:
         packaged = f"likelihood.weather is not given: the packaged table {SHIPPED[0]}, rough estimates that fit no place well"
         return read_weather(SHIPPED[0]).table, (packaged,)
@@ -249,7 +253,7 @@ def _weather(settings: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
 
 
 def _complete(table: WeatherTable, settings: Likelihood) -> tuple[WeatherTable, int]:
-    """Rows with wind and cover, and how many have not; an error names the file."""
+    """Return the rows with wind and cover, and the number of others; an error names the file."""
     try:
         return table.complete()
     except DomainError as error:
@@ -257,7 +261,7 @@ def _complete(table: WeatherTable, settings: Likelihood) -> tuple[WeatherTable, 
 
 
 def _of_region(table: WeatherTable, settings: Likelihood, notes: list[str]) -> WeatherTable:
-    """Rows inside the region, where both are known."""
+    """Return the rows inside the region, where both are known; rows without a place count as inside."""
     if settings.latitudes_deg is None or settings.longitudes_deg is None or "latitude_deg" not in table or "longitude_deg" not in table:
         return table
     box = GeographicBox(settings.longitudes_deg[0], settings.latitudes_deg[0], settings.longitudes_deg[1], settings.latitudes_deg[1])
@@ -274,8 +278,8 @@ def _of_region(table: WeatherTable, settings: Likelihood, notes: list[str]) -> W
 
 
 def _models(scenario: Scenario, table: WeatherTable) -> tuple[tuple[str, ...], NDArray[np.int64]]:
-    """Model atmospheres, and which of them each row has."""
-    if not isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings):
+    """Return the model atmospheres, and the place of each row's model among them."""
+    if not isinstance(scenario.atmosphere, TableAtmosphereSettings):
         return (scenario.atmosphere.source,), np.zeros(len(table), dtype=np.int64)
     names = np.where(table.text("atmosphere") == "", scenario.atmosphere.model, table.text("atmosphere"))
     known = sorted(MODELS)
@@ -289,11 +293,11 @@ def _models(scenario: Scenario, table: WeatherTable) -> tuple[tuple[str, ...], N
 
 
 def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[float, float]:
-    """Winds of seas and air; stronger ones of the weather count as the strongest, and how many is told."""
+    """Return the winds of seas and air; stronger winds of the weather count as the strongest, with their number in a note."""
     law = scenario.sea.slopes
-    if isinstance(law, wanted_slopes.SpectrumSlopes | wanted_slopes.FlatSlopes):
-        top = WIND_PROFILE[1] if isinstance(law, wanted_slopes.FlatSlopes) else NAVY_AEROSOL_WIND[1]
-        if isinstance(law, wanted_slopes.SpectrumSlopes) and scenario.sea.spectrum.kind not in (
+    if isinstance(law, SpectrumSlopes | FlatSlopes):
+        top = WIND_PROFILE[1] if isinstance(law, FlatSlopes) else NAVY_AEROSOL_WIND[1]
+        if isinstance(law, SpectrumSlopes) and scenario.sea.spectrum.kind not in (
             "elfouhaily",
             "pierson-moskowitz",
             "jonswap",
@@ -316,7 +320,7 @@ def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[f
 
 
 def _looks(settings: Likelihood, notes: list[str]) -> dict[str, FloatArray]:
-    """Columns of a table of looks."""
+    """Return the columns of a table of looks, angles in radians; empty without a table."""
     if settings.looks is None:
         return {}
     cells = read_cells(settings.looks)

@@ -1,8 +1,8 @@
-r"""How often glint matters: draws of weather, Sun and geometry through the model of the mirrored Sun (the source article's Eq. 10).
+r"""Likelihood of glint: draws of weather, Sun and geometry through the model of the mirrored Sun (the source article's Eq. 10).
 
 .. math:: P = \int P_{illum}(\Theta)\,I(\Theta)\,p(\Theta)\,d\Theta
 
-with I = 1 where the mirrored Sun at the sensor exceeds a threshold, and clouds taken as their chance rather than drawn.
+with I = 1 where the mirrored Sun at the sensor exceeds a threshold, and clouds included by their chance rather than drawn.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ DIMENSIONS: Final = ("hour", "row", "depression", "day", "across", "azimuth", "c
 
 NEEDED_SHARES: Final = (0.5, 0.1, 0.05, 0.01, 0.001)  #: Shares of looks for which the contrast exceeded by glint is reported.
 
-#: Draws up to which azimuths = 'auto' integrates: some 4 s of processor time. A million looks of their own take less.
+#: Draws up to which azimuths = 'auto' integrates: some 4 s of processor time. A million single looks take less.
 INTEGRATED: Final = 131_072
 
 _SHINES: Final = 0.5 * math.pi + 0.3  #: Zenith angle of the Sun beyond which no place in view can be lit [rad].
@@ -48,29 +48,30 @@ _SHINES: Final = 0.5 * math.pi + 0.3  #: Zenith angle of the Sun beyond which no
 
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """Drawn conditions and the radiance of each look [(total,) each]; NaN times and places where the Sun is given."""
+    """Drawn conditions and the result of each look [(total,) each]; times and places are NaN where the Sun is given."""
 
-    plan: SamplingPlan
-    radiance: FloatArray
+    plan: SamplingPlan  #: Number and order of the draws.
+    where: Conditions  #: Weather row, time and place.
+    weight: FloatArray  #: Weight of each draw [1], 1 on average: low Suns are drawn more often than they occur.
+    sight: Looks  #: Results of the looks, with the radiance.
     illuminated: FloatArray  #: Chance that clouds leave the Sun free [1].
-    wind: FloatArray
-    cover: FloatArray
-    time: FloatArray
-    latitude: FloatArray
-    longitude: FloatArray
-    solar_zenith: FloatArray
-    azimuth_from_sun: FloatArray
-    solar_azimuth: FloatArray
-    height: FloatArray
-    found: Looks
-    weight: FloatArray  #: Weight of each draw [1], 1 on average: more hours are drawn while the Sun is low than there are.
+    wind: FloatArray  #: Wind speed [m/s].
+    solar_zenith: FloatArray  #: Zenith angle of the Sun [rad].
+    azimuth_from_sun: FloatArray  #: Azimuth of the look from the Sun [rad].
+    solar_azimuth: FloatArray  #: Azimuth of the Sun [rad].
+    height: FloatArray  #: Height of the sensor [m].
     #: Share of the azimuths [1] that exceed each threshold above 0 [W m-2 sr-1]; empty where azimuths are drawn.
     shares: Mapping[float, FloatArray]
+
+    @property
+    def radiance(self) -> FloatArray:
+        """Radiance of the mirrored Sun at the sensor [W m-2 sr-1]."""
+        return self.sight.radiance
 
 
 @dataclass(frozen=True, eq=False)
 class GlintLikelihood:
-    """Chances of glint, with where they come from. Made by :func:`likelihood`."""
+    """Chances of glint with their draws. Made by :func:`likelihood`."""
 
     model: LikelihoodModel
     draws: Draws
@@ -86,7 +87,7 @@ class GlintLikelihood:
 
     def summary(self) -> LikelihoodSummary:
         """Return plain numbers of everything but the draws."""
-        settings, plan = self.model.wanted, self.draws.plan
+        settings, plan = self.model.settings, self.draws.plan
         rate = self._looks_per_hour if settings.quantity == "false-alarms" else None
         results = []
         for threshold, chance in zip(self.thresholds, self.estimates, strict=True):
@@ -121,18 +122,18 @@ class GlintLikelihood:
         return self.summary().as_dict()
 
     def month_by_hour(self) -> FloatArray | None:
-        """Chance by month and hour of the Sun's day, of the first threshold [(12, 24)]; NaN without draws, None under a given Sun."""
+        """Return the chance by month and solar hour, of the first threshold [(12, 24)]; NaN without draws, None under a given Sun."""
         if self.model.when is None:
             return None
-        month = months_of(self.draws.time) - 1
-        hour = ((self.draws.time / 3600.0 + self.draws.longitude / 15.0) % 24.0).astype(np.int64) % 24
+        month = months_of(self.draws.where.time) - 1
+        hour = _solar_hour(self.draws.where).astype(np.int64) % 24
         cell = month * 24 + hour
         count, total = (np.bincount(cell, each, 288) for each in (self.draws.weight, self.draws.weight * self.values[0]))
         return np.asarray(np.divide(total, count, out=np.full(288, np.nan), where=count > 0.0)).reshape(12, 24)
 
     @property
     def _azimuth_notes(self) -> list[str]:
-        settings = self.model.wanted
+        settings = self.model.settings
         if self.draws.shares or settings.azimuths == "drawn" or not settings.integrates or self.draws.plan.total <= INTEGRATED:
             return []
         return [f"azimuths drawn: more than {INTEGRATED} draws; likelihood.azimuths = 'integrated' has narrower intervals and takes longer"]
@@ -141,6 +142,7 @@ class GlintLikelihood:
     def _looks_per_hour(self) -> float:
         """Independent looks of all pixels in an hour [1]: frames, but no more than one in a correlation time of glint."""
         sensor = self.model.scenario.sensor
+        # Frames within a correlation time see the same glint.
         rate = min(sensor.frame_rate_hz, 1.0 / self.model.scenario.sea.glint.correlation_time_s)
         return 3600.0 * rate * sensor.pixels[0] * sensor.pixels[1]
 
@@ -148,23 +150,23 @@ class GlintLikelihood:
 def likelihood(
     scenario: Scenario, *, weather: WeatherTable | None = None, progress: Progress | None = None, model: LikelihoodModel | None = None
 ) -> GlintLikelihood:
-    """Chances that the mirrored Sun exceeds the scenario's thresholds.
+    """Return the chances that the mirrored Sun exceeds the scenario's thresholds.
 
     Parameters
     ----------
     scenario : Scenario
-        With a table ``[likelihood]``.
+        Scenario with a table ``[likelihood]``.
     weather : WeatherTable, optional
-        Instead of the file that it names.
+        Weather that replaces the file of the table.
     progress : callable, optional
-        Called with steps done and all of them.
+        Called with (steps done, steps in all).
     model : LikelihoodModel, optional
-        Made before, for many scenarios of the same air and sea.
+        Prepared model, for many scenarios of the same air and sea.
 
     Raises
     ------
     SeaglintError
-        What files and models refuse.
+        Files or settings that models refuse.
     """
     tell = progress or (lambda done, total: None)
     tell(0, 3)
@@ -172,21 +174,31 @@ def likelihood(
     tell(1, 3)
     drawn = draw(model)
     tell(2, 3)
-    values = tuple(measured(model, drawn, threshold) for threshold in model.wanted.threshold_w_m2_sr)
+    values = tuple(draw_values(model, drawn, threshold) for threshold in model.settings.threshold_w_m2_sr)
     estimates = tuple(estimate(v, drawn.plan, weight=drawn.weight) for v in values)
     classes, of_looks = _classes(model, drawn), _classes_of_looks(drawn)
-    one_look = values if not drawn.shares else tuple(measured(model, replace(drawn, shares={}), t) for t in model.wanted.threshold_w_m2_sr)
+    # Classes of a single look, such as its azimuth, need values of that look even where azimuths are integrated.
+    one_look = (
+        values if not drawn.shares else tuple(draw_values(model, replace(drawn, shares={}), t) for t in model.settings.threshold_w_m2_sr)
+    )
     by_threshold = tuple(
         (*strata(v, drawn.plan, classes, t, weight=drawn.weight), *strata(one, drawn.plan, of_looks, t, weight=drawn.weight))
         for t, v, one in zip(model.wanted.threshold_w_m2_sr, values, one_look, strict=True)
     )
     tell(3, 3)
-    return GlintLikelihood(model, drawn, model.wanted.threshold_w_m2_sr, estimates, by_threshold, values)
+    return GlintLikelihood(
+        model=model,
+        draws=drawn,
+        thresholds=model.settings.threshold_w_m2_sr,
+        estimates=estimates,
+        strata=by_threshold,
+        values=values,
+    )
 
 
 def cloud_law(model: LikelihoodModel) -> CloudLaw:
-    """Law of clouds of the scenario's case."""
-    settings = model.wanted
+    """Return the law of clouds of the scenario's case."""
+    settings = model.settings
     if settings.clouds != "auto":
         return settings.clouds
     return "cover" if settings.case == "single-look" else "overcast"
@@ -195,27 +207,27 @@ def cloud_law(model: LikelihoodModel) -> CloudLaw:
 def draw(
     model: LikelihoodModel, *, samples: int | None = None, seed: int | None = None, plain: bool = False, azimuth: float | None = None
 ) -> Draws:
-    """Draw conditions and looks, and see what they see; an ``azimuth`` from the Sun [rad] stands in for the scenario's law.
+    """Draw conditions and evaluate their looks; an ``azimuth`` from the Sun [rad] replaces the scenario's law.
 
     ``plain`` takes random numbers instead of Sobol points for the same integrand.
     """
-    settings = model.wanted
+    settings = model.settings
     plan = SamplingPlan.of(settings.samples if samples is None else samples)
-    u = numbers(model, plan, model.scenario.seed if seed is None else seed, plain=plain)
+    u = uniform_numbers(model, plan, model.scenario.seed if seed is None else seed, plain=plain)
     whole = settings.azimuths == "integrated" or (settings.azimuths == "auto" and plan.total <= INTEGRATED)
     whole = whole and settings.integrates and azimuth is None and "azimuth_from_sun_deg" not in model.looks
     where = conditions(model.table, u, model.when, model.where, by_daylight=True)
-    return seen(model, u, where, plan, azimuth, integrated=whole)
+    return evaluated(model, u, where, plan, azimuth, integrated=whole)
 
 
-def numbers(model: LikelihoodModel, plan: SamplingPlan, seed: int, *, plain: bool = False) -> dict[str, FloatArray]:
-    """Uniform numbers of draws by name [(total,) each]; 0 for those on which the scenario does not depend."""
+def uniform_numbers(model: LikelihoodModel, plan: SamplingPlan, seed: int, *, plain: bool = False) -> dict[str, FloatArray]:
+    """Return uniform numbers of draws by name [(total,) each]; 0 for numbers on which the scenario does not depend."""
     names = (*_varying(model), *(f"smooth_{name}" for name in model.bandwidth))
     points = plan.uniform(len(names), seed, plain=plain)
     return {name: np.zeros(plan.total) for name in DIMENSIONS} | {name: np.ascontiguousarray(points[:, i]) for i, name in enumerate(names)}
 
 
-def seen(
+def evaluated(
     model: LikelihoodModel,
     u: dict[str, FloatArray],
     where: Conditions,
@@ -225,65 +237,72 @@ def seen(
     integrated: bool = False,
 ) -> Draws:
     """Evaluate looks in conditions that are drawn already; ``integrated`` evaluates the shares of their azimuths too."""
-    settings, table = model.wanted, model.table
+    settings, table = model.settings, model.table
     wind, cover, wind_from = (table[name][where.rows] for name in ("wind_speed_m_s", "cloud_cover", "wind_from_deg"))
     if model.bandwidth:
+        # Away from 0 and 1, where the Gaussian quantile is infinite.
         noise = np.clip(np.column_stack([u[f"smooth_{name}"] for name in model.bandwidth]), 1e-12, 1.0 - 1e-12)
         rows = smoothed(table, where.rows, noise, model.bandwidth)
         wind, cover = rows["wind_speed_m_s"], rows["cloud_cover"]
     missing = model.scenario.wind.from_deg if model.gives_wind_direction else 360.0 * u["wind"]
+    # Winds are named by where they come from.
     wind_to = np.radians(np.where(np.isnan(wind_from), missing, wind_from) + 180.0)
     sun = model.sun
     if sun is not None:
         zenith, towards, factor = (np.full(wind.size, x) for x in (sun.zenith, sun.azimuth, sun.irradiance_factor))
     else:
         zenith, towards, factor = model.ephemeris.at(where.time, where.latitude, where.longitude)
-    depression, beside, height = _geometry(model, u)
+    depression, relative, height = _geometry(model, u)
     if azimuth is not None:
-        beside = np.full(wind.size, azimuth)
+        relative = np.full(wind.size, azimuth)
     free = illuminated(cloud_law(model), cover, 0.5 * math.pi - zenith, overcast=settings.overcast_cover, aspect=settings.cloud_aspect)
-    columns = [model.row_model[where.rows].astype(np.float64), wind, wind_to, height, zenith, towards, factor, towards + beside, depression]
+    columns = [
+        model.row_model[where.rows].astype(np.float64),
+        wind,
+        wind_to,
+        height,
+        zenith,
+        towards,
+        factor,
+        towards + relative,
+        depression,
+    ]
+    # Looks under a Sun that is down or hidden for sure are passed over: their radiance is 0.
     at = np.flatnonzero((zenith < _SHINES) & (free > 0.0))
     chosen = np.empty((at.size, len(columns)))
     for i, column in enumerate(columns):
         chosen[:, i] = column[at]
-    sighted = _everywhere(looks(chosen, model.light, model.seas, model.search), at, wind.size)
-    weight = np.ones(wind.size) if where.weight is None else where.weight
     return Draws(
-        plan,
-        sighted.radiance,
-        free,
-        wind,
-        cover,
-        where.time,
-        where.latitude,
-        where.longitude,
-        zenith,
-        beside,
-        towards,
-        height,
-        sighted,
-        weight,
-        _shares(model, chosen, at, wind.size) if integrated else {},
+        plan=plan,
+        where=where,
+        weight=np.ones(wind.size) if where.weight is None else where.weight,
+        sight=_everywhere(looks(chosen, model.light, model.seas, model.search), at, wind.size),
+        illuminated=free,
+        wind=wind,
+        solar_zenith=zenith,
+        azimuth_from_sun=relative,
+        solar_azimuth=towards,
+        height=height,
+        shares=_shares(model, chosen, at, wind.size) if integrated else {},
     )
 
 
 def _shares(model: LikelihoodModel, chosen: FloatArray, at: NDArray[np.intp], total: int) -> dict[float, FloatArray]:
-    """Shares of azimuths by threshold above 0; 0 where the Sun is down or behind clouds for sure."""
-    thresholds = [t for t in model.wanted.threshold_w_m2_sr if t > 0.0]
+    """Return shares of azimuths by threshold above 0; 0 where the Sun is down or behind clouds for sure."""
+    thresholds = [t for t in model.settings.threshold_w_m2_sr if t > 0.0]
     if not thresholds:
         return {}
-    first, last = np.radians(model.wanted.azimuth_from_sun_deg).tolist()
-    some = azimuth_shares(chosen, model.light, model.seas, (first, last), thresholds)
+    first, last = np.radians(model.settings.azimuth_from_sun_deg).tolist()
+    shares = azimuth_shares(chosen, model.light, model.seas, (first, last), thresholds)
     out = {t: np.zeros(total) for t in thresholds}
     for i, share in enumerate(out.values()):
-        share[at] = some[:, i]
+        share[at] = shares[:, i]
     return out
 
 
 def _varying(model: LikelihoodModel) -> list[str]:
-    """Uniform numbers on which the draws of a scenario depend: points of fewer dimensions are more even."""
-    settings, (lowest, highest) = model.wanted, model.heights
+    """Return the uniform numbers on which the draws of a scenario depend: points of fewer dimensions are more even."""
+    settings, (lowest, highest) = model.settings, model.heights
     alone = settings.case == "single-look"
     times, places = isinstance(model.when, Times), isinstance(model.where, GeographicRegion) and model.sun is None
     depends = {
@@ -302,41 +321,42 @@ def _varying(model: LikelihoodModel) -> list[str]:
 
 
 def _everywhere(some: Looks, at: NDArray[np.intp], total: int) -> Looks:
-    """Looks among those that are passed over, whose Sun is down or behind clouds for sure."""
+    """Return all looks, with 0 for looks that were passed over."""
     whole = np.zeros((5, total))
-    whole[3] = -1.0
-    for row, part in zip(whole, (some.radiance, some.chance, some.cos_incidence, some.elevation, some.sun_up), strict=True):
-        row[at] = part
+    whole[3] = -1.0  # an elevation below 0 marks a look that misses the sea
+    for row, values in zip(whole, (some.radiance, some.chance, some.cos_incidence, some.elevation, some.sun_up), strict=True):
+        row[at] = values
     return Looks(*whole)
 
 
 def _geometry(model: LikelihoodModel, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Depression and azimuth from the Sun [rad], and height [m]."""
-    settings = model.wanted
+    """Return depression and azimuth from the Sun [rad], and height [m]."""
+    settings = model.settings
     (low, high), (first, last), (lowest, highest) = (
         np.radians(settings.depression_deg),
         np.radians(settings.azimuth_from_sun_deg),
         model.heights,
     )
     depression = low + (high - low) * u["depression"]
-    beside = first + (last - first) * u["azimuth"]
+    relative = first + (last - first) * u["azimuth"]
     height = lowest + (highest - lowest) * u["height"]
     if model.looks:
         columns = dict(model.looks)
         size = next(iter(columns.values())).size
         cumulative = np.cumsum(columns.pop("weight", np.ones(size)))
         rows = np.minimum(np.searchsorted(cumulative, u["depression"] * cumulative[-1], side="right"), size - 1)
-        depression, beside = (
+        # One number chooses the row: what the table lacks is drawn by another one.
+        depression, relative = (
             columns[name][rows] if name in columns else given
-            for name, given in (("depression_deg", low + (high - low) * u["height"]), ("azimuth_from_sun_deg", beside))
+            for name, given in (("depression_deg", low + (high - low) * u["height"]), ("azimuth_from_sun_deg", relative))
         )
         height = columns["height_m"][rows] if "height_m" in columns else height
-    return depression, beside, height
+    return depression, relative, height
 
 
-def measured(model: LikelihoodModel, drawn: Draws, threshold: float) -> FloatArray:
-    """Return the averaged quantity of every draw [1]: chances between 0 and 1."""
-    settings = model.wanted
+def draw_values(model: LikelihoodModel, drawn: Draws, threshold: float) -> FloatArray:
+    """Return the quantity of every draw that is averaged [1]: chances between 0 and 1."""
+    settings = model.settings
     match settings.quantity:
         case "mean":
             share = drawn.shares.get(threshold)
@@ -351,29 +371,34 @@ def measured(model: LikelihoodModel, drawn: Draws, threshold: float) -> FloatArr
 
 
 def pixel_deviation(model: LikelihoodModel, drawn: Draws) -> FloatArray:
-    """Standard deviation of glint in one of the scenario's pixels [W m-2 sr-1]."""
+    """Return the standard deviation of glint in one of the scenario's pixels [W m-2 sr-1]."""
     across, along = model.scenario.sensor.ifov_deg
-    return deviation(drawn.found, drawn.height, math.radians(across) * math.radians(along), scenario_physics.glint_length(model.scenario))
+    return deviation(drawn.sight, drawn.height, math.radians(across) * math.radians(along), scenario_physics.glint_length(model.scenario))
+
+
+def _solar_hour(where: Conditions) -> FloatArray:
+    """Return the hour of the mean Sun's day [h]: 15 deg of longitude are an hour."""
+    return np.asarray((where.time / 3600.0 + where.longitude / 15.0) % 24.0)
 
 
 def _classes(model: LikelihoodModel, drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Quantities by which results are told apart, with the edges of their classes."""
+    """Return the quantities by which results are classified, with the edges of their classes."""
     classes = {
         "wind_speed_m_s": (drawn.wind, by.WINDS),
         "sun_elevation_deg": (90.0 - np.degrees(drawn.solar_zenith), by.SUNS),
     }
     if model.when is not None:
         classes |= {
-            "month": (months_of(drawn.time).astype(np.float64), np.arange(1.0, 14.0)),
-            "hour_utc": (drawn.time % 86_400.0 / 3600.0, np.arange(25.0)),
-            "hour_solar": ((drawn.time / 3600.0 + drawn.longitude / 15.0) % 24.0, np.arange(25.0)),
-            "latitude_deg": (drawn.latitude, by.LATITUDES),
+            "month": (months_of(drawn.where.time).astype(np.float64), np.arange(1.0, 14.0)),
+            "hour_utc": (drawn.where.time % 86_400.0 / 3600.0, np.arange(25.0)),
+            "hour_solar": (_solar_hour(drawn.where), np.arange(25.0)),
+            "latitude_deg": (drawn.where.latitude, by.LATITUDES),
         }
     return classes
 
 
 def _classes_of_looks(drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Quantities of the one look that each draw has, whatever is integrated."""
+    """Return the quantities of the single look of each draw, also where azimuths are integrated."""
     return {
         "azimuth_from_sun_deg": (np.degrees(drawn.azimuth_from_sun) % 360.0, by.BEARINGS),
         "bearing_deg": (np.degrees(drawn.azimuth_from_sun + drawn.solar_azimuth) % 360.0, by.BEARINGS),

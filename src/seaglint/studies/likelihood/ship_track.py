@@ -1,4 +1,4 @@
-"""Glint along a ship's way: its chance at every time, how long it lasts and when it comes back."""
+"""Glint along a ship's track: its chance at every time, its duration, and the time until it returns."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.base.errors import DataError, ScenarioError
+from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.parameters import documented
 from seaglint.climate.conditions import conditions
@@ -20,8 +20,8 @@ from seaglint.climate.ephemeris import Ephemeris
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.formats.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
-from seaglint.studies.likelihood.draw_model import LikelihoodModel
-from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
+from seaglint.studies.likelihood.draw_model import LikelihoodModel, likelihood_table
+from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ _BEARING: Final = "bearing_deg"
 
 @dataclass(frozen=True)
 class TrackChance:
-    """Chance of glint at one time of a way."""
+    """Chance of glint at one time of a track."""
 
     time_utc: str  #: Time in ISO 8601.
     #: ``latitude_deg``, ``longitude_deg``: Place [deg].
@@ -47,7 +47,7 @@ class TrackChance:
 
 
 class Spells(NamedTuple):
-    """Mean duration of glint and mean time from its end to its return [h]; None where there is none."""
+    """Mean duration of glint and mean time from its end to its return [h]; None without glint, or without a return."""
 
     mean_duration_hours: float | None
     mean_return_hours: float | None
@@ -55,27 +55,27 @@ class Spells(NamedTuple):
 
 @dataclass(frozen=True)
 class GlintHours:
-    """Hours with glint along a way."""
+    """Hours with glint along a track."""
 
     threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
     hours: float  #: Expected time with glint above it [h].
-    #: ``mean_duration_hours``, ``mean_return_hours``: Mean duration of glint and mean time from its end to its return [h]; None where there
-    #: is none.
+    #: ``mean_duration_hours``, ``mean_return_hours``: Mean duration of glint and mean time from its end to its return [h]; None without
+    #: glint, or without a return.
     mean_duration_hours: float | None
     mean_return_hours: float | None
 
 
 @dataclass(frozen=True)
 class TrackChances:
-    """Chances of glint along a ship's way."""
+    """Chances of glint along a ship's track."""
 
-    hours: float  #: Length of the way [h].
+    hours: float  #: Length of the track [h].
     results: list[GlintHours]  #: Hours with glint of each threshold.
     way: list[TrackChance]  #: Chances by time and threshold.
     notes: list[str]  #: Remarks.
 
     def rows(self) -> list[TableRow]:
-        """Return the way as a tidy table: a row a time and threshold."""
+        """Return the track as a tidy table: a row for each time and threshold."""
         return [asdict(chance) for chance in self.way]
 
     def as_dict(self) -> JsonObject:
@@ -83,7 +83,7 @@ class TrackChances:
         return asdict(self)
 
     def dataset(self) -> xr.Dataset:
-        """Return the way as a dataset: ``probability`` over ``threshold`` and ``time``, places, and hours with glint of each threshold."""
+        """Return the track as a dataset: ``probability`` over ``threshold`` and ``time``, places, and hours with glint by threshold."""
         import xarray as xr
 
         thresholds = [row.threshold_w_m2_sr for row in self.results]
@@ -107,22 +107,22 @@ class TrackChances:
 
 @documented(LikelihoodRequest)
 def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weather: WeatherTable | None = None) -> TrackChances:
-    """Chances at the times of a way, with durations and returns of each threshold.
+    """Return chances at the times of a track, with durations and returns of each threshold.
 
     Parameters
     ----------
     scenario : Scenario
-        With ``[likelihood]``; its own Sun, time and place are not asked.
+        Scenario with ``[likelihood]``; its own Sun, time and place are not used.
     {request}
     samples : int
         Draws at each time.
     weather : WeatherTable, optional
-        Instead of the scenario's.
+        Weather that replaces the scenario's.
 
     Returns
     -------
     TrackChances
-        Chances along the way and hours with glint; the same draws of weather and geometry are followed from time to time.
+        Chances along the track and hours with glint; the same draws of weather and geometry are followed from time to time.
 
     Raises
     ------
@@ -136,25 +136,25 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     time = _times(cells)
     latitude, longitude = _within(cells, "latitude_deg", 90.0), _within(cells, "longitude_deg", 360.0)
     bearing = _within(cells, _BEARING, 360.0) if _BEARING in cells.header else None
-    if scenario.likelihood is None:
-        raise ScenarioError("likelihood is missing: add a table [likelihood] with weather, threshold_w_m2_sr and case")
+    likelihood_table(scenario)  # refused after the file of the track
     fixed = scenario.model_copy(update={"sun": None, "time": None, "place": None})
     model = LikelihoodModel.of(fixed, weather)
     sky = Ephemeris.between(float(time[0]), float(time[-1]))
-    thresholds = model.wanted.threshold_w_m2_sr
+    thresholds = model.settings.threshold_w_m2_sr
     chance = np.empty((time.size, len(thresholds)))
     lit: list[list[FloatArray]] = [[] for _ in thresholds]
     way: list[TrackChance] = []
     plan = SamplingPlan.of(samples)
+    # Cached properties of the model are set to each time and place: its tables of air and sea stay.
     model.__dict__.update(when=float(time[0]), where=(0.0, 0.0), ephemeris=sky)
-    u = numbers(model, plan, scenario.seed)
+    u = uniform_numbers(model, plan, scenario.seed)
     for i, moment in enumerate(time.tolist()):
         model.__dict__.update(when=moment, where=(float(latitude[i]), float(longitude[i])))
         sun = sky.at(moment, latitude[i], longitude[i])
         look = None if bearing is None else float(np.radians(bearing[i]) - sun.azimuth[0])
-        drawn = seen(model, u, conditions(model.table, u, moment, model.where), plan, look)
+        drawn = evaluated(model, u, conditions(model.table, u, moment, model.where), plan, look)
         for t, threshold in enumerate(thresholds):
-            values = measured(model, drawn, threshold)
+            values = draw_values(model, drawn, threshold)
             chance[i, t] = values.mean()
             lit[t].append(values)
             way.append(
@@ -176,13 +176,14 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
 
 
 def spells(glints: np.ndarray, hours: FloatArray) -> Spells:
-    """Mean duration of glint and mean time from its end to its return [h], over followed draws [(draws, times)]; None where there is none.
+    """Return the mean duration of glint and the mean time from its end to its return [h], over followed draws [(draws, times)].
 
-    Spells cut by an end of the way count with what is seen of them; only gaps between two spells are returns.
+    Both are None without glint. Spells cut by an end of the track count with their observed part; only gaps between two spells are returns.
 
     >>> spells(np.array([[True, False, False, True]]), np.ones(4))
     Spells(mean_duration_hours=1.0, mean_return_hours=2.0)
     """
+    # Without glint before and after the track, every spell has a begin and an end.
     padded = np.pad(glints, ((0, 0), (1, 1)))
     change = np.diff(padded.astype(np.int8), axis=1)
     draws, begin = np.nonzero(change == 1)
@@ -190,13 +191,14 @@ def spells(glints: np.ndarray, hours: FloatArray) -> Spells:
     if begin.size == 0:
         return Spells(None, None)
     clock = np.concatenate([[0.0], np.cumsum(hours)])
+    # A gap between spells of two draws is no return.
     again = draws[1:] == draws[:-1]
     gaps = clock[begin[1:]] - clock[end[:-1]]
     return Spells(float(np.mean(clock[end] - clock[begin])), float(np.mean(gaps[again])) if again.any() else None)
 
 
 def _steps(time: FloatArray) -> FloatArray:
-    """Hours that each time stands for: half of the way to its neighbours."""
+    """Return the hours of each time: half of the distance to its neighbours."""
     gaps = np.diff(time) / 3600.0
     return np.asarray(0.5 * (np.concatenate([gaps[:1], gaps]) + np.concatenate([gaps, gaps[-1:]])))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,10 +39,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Built:
-    """A table made of files."""
+    """Weather table built from files."""
 
-    table: WeatherTable  #: The rows.
-    notes: tuple[str, ...] = field(default_factory=tuple)  #: What was read, left out, assumed and filled, one sentence each, with counts.
+    table: WeatherTable  #: Rows of all files.
+    notes: tuple[str, ...] = field(default_factory=tuple)  #: Rows read, left out, assumed and filled, one sentence each, with counts.
 
     def dataset(self) -> xr.Dataset:
         """Return the columns as a dataset over ``row``."""
@@ -62,25 +62,25 @@ def build(
     *,
     fill: Mapping[str, float] | None = None,
 ) -> Built:
-    """Make one table of files of any kind.
+    """Build one table from files of any kind.
 
     Parameters
     ----------
     paths : sequence of Path
         Files; grids without winds (waves, sea temperature) are joined to those with winds.
     selection : Selection, optional
-        Places, times and region that are wanted. A region selects rows where a file has regions, and names the rows elsewhere.
+        Requested places, times and region. A region selects rows where a file has regions, and names the rows elsewhere.
     reading : WeatherReading, optional
-        What files do not say.
+        Properties that the files do not state.
     fill : mapping of str to float, optional
-        Values put where a column is missing; counted.
+        Values for missing entries of a column; counted.
 
     Raises
     ------
     DataError
-        A file that cannot be used, or nothing left of the selection.
+        A file that cannot be used, or a selection without rows.
     BackendError
-        A part that is not installed.
+        A package that is not installed.
     """
     selection, reading = selection or Selection(), reading or WeatherReading()
     notes = [f"made by seaglint {__version__} of {', '.join(path.name for path in paths)}"]
@@ -124,9 +124,7 @@ def _sources(paths: Sequence[Path], selection: Selection, reading: WeatherReadin
 
 
 def _of_region(source: WeatherSource, region: str | None) -> WeatherSource:
-    """Rows of a region where the file has regions; rows named after it where it has none."""
-    from dataclasses import replace
-
+    """Return the rows of a region; all rows, named after it, where the file has no regions."""
     if region is None or not source.rows:
         return source
     names = source.texts.get("region")
@@ -161,7 +159,7 @@ def _nothing(sources: Sequence[WeatherSource], selection: Selection) -> str:
 
 
 def _together(sources: Sequence[WeatherSource]) -> tuple[dict[str, FloatArray], dict[str, TextArray]]:
-    """Columns of all files below each other; the mean weight of each file is 1, so that each row counts alike."""
+    """Return the columns of all files one after the other; the mean weight of each file is 1, so that each row counts alike."""
     names = [name for name in RANGES if name != "weight" and any(name in source.columns for source in sources)]
     columns = {n: np.concatenate([s.columns.get(n, np.full(s.rows, np.nan)) for s in sources]) for n in {*names, *NEEDED}}
     weights = []
@@ -171,8 +169,8 @@ def _together(sources: Sequence[WeatherSource]) -> tuple[dict[str, FloatArray], 
             raise DataError(f"{source.path}: all rows selected have the weight 0; select others, or correct the column weight")
         weights.append(weight / weight.mean() if len(sources) > 1 else weight)
     ordered = {"weight": np.concatenate(weights)} | {n: columns[n] for n in RANGES if n in columns}
-    there = [n for n in TEXTS if any(n in source.texts for source in sources)]
-    return ordered, {n: np.concatenate([s.texts.get(n, np.full(s.rows, "")) for s in sources]) for n in there}
+    present = [n for n in TEXTS if any(n in source.texts for source in sources)]
+    return ordered, {n: np.concatenate([s.texts.get(n, np.full(s.rows, "")) for s in sources]) for n in present}
 
 
 def _filled(columns: dict[str, FloatArray], fill: Mapping[str, float]) -> list[str]:
@@ -199,11 +197,11 @@ def _lacking(table: WeatherTable, selection: Selection) -> list[str]:
         count = int(np.sum(np.isnan(table[name])))
         if count:
             notes.append(f"{count} of {len(table)} rows have no {name}: kept here, left out by what needs it")
-    there = table.months
-    if not there:
+    present = table.months
+    if not present:
         notes.append("no months: every row serves all the year")
         return notes
-    missing = [m for m in selection.months or range(1, 13) if m not in there]
+    missing = [m for m in selection.months or range(1, 13) if m not in present]
     if missing:
         used = table.month_used
         notes.append("no rows in " + ", ".join(f"{MONTHS[m - 1]} (draws in that month use {MONTHS[used[m] - 1]})" for m in missing))
@@ -244,7 +242,7 @@ def describe(path: str | Path) -> tuple[WeatherFile, WeatherFacts]:
 
 
 def _plain(value: float) -> float | None:
-    """A number that JSON has; None for what it has not."""
+    """Return a number for JSON; None for NaN and infinity."""
     return float(value) if np.isfinite(value) else None
 
 
