@@ -197,6 +197,7 @@ def _interior(recording: Recording, options: AnalysisOptions, used: BoolArray) -
     everything = np.ones(used.shape, np.bool_)
     if margin == 0 or share == 0.0 or options.scope == "local":
         return everything, []
+    # Without the border too little of the picture would be left.
     wide = share > 0.5
     if options.border == "drop" and wide:
         raise DataError(

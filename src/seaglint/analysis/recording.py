@@ -253,6 +253,7 @@ def _repeated(block: FrameArray, last: FrameArray | None) -> list[bool]:
     """
     bits = block.view(np.uint32)
     before = [None if last is None else last.view(np.uint32), *bits[:-1]]
+    # A few rows are compared first: a whole comparison of every frame would take as long as the reading.
     step = max(block.shape[1] // 8, 1)
     return [
         old is not None and np.array_equal(new[::step], old[::step]) and np.array_equal(new, old)

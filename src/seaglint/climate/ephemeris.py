@@ -53,6 +53,7 @@ class Ephemeris:
         # Imported here, as pvlib imports pandas, which takes half a second.
         from pvlib import spa
 
+        # Two steps more at the beginning and the end: a cubic needs a node on either side of its interval.
         start = first - 2.0 * _STEP
         times = start + _STEP * np.arange(math.ceil((last - start) / _STEP) + 3, dtype=np.float64)
         place = (0.0, 0.0, 0.0, STANDARD_PRESSURE, STANDARD_TEMPERATURE, _DELTA_T, _RISE, 1)

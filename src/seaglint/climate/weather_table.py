@@ -253,6 +253,7 @@ def month_used(month: FloatArray, weight: FloatArray) -> dict[int, int]:
 def _inverse(weight: FloatArray, uniform: FloatArray) -> IntArray:
     """Index of the first cumulative weight above ``uniform`` times the sum."""
     cumulative = np.cumsum(weight)
+    # From the right, so that a row without weight is never drawn.
     index = np.searchsorted(cumulative, uniform * cumulative[-1], side="right")
     # Rounding may bring uniform * sum up to the sum itself; the last row that has a weight is then meant.
     return np.asarray(np.minimum(index, np.flatnonzero(weight)[-1]), dtype=np.int64)

@@ -106,6 +106,7 @@ def _correlate(frames: Frames, kernel: NDArray[np.float64]) -> Frames:
 def _rounded(out: NDArray[np.float64], source: NDArray[np.floating]) -> Frames:
     """Return single precision values, with the rounding residue of a constant set to 0, so that it has no sigma."""
     finite = source[np.isfinite(source)]
+    # A constant filtered in double precision leaves some 1e-16 of its level.
     level = 1e-12 * float(np.abs(finite).max()) if finite.size else 0.0
     return np.where(np.abs(out) <= level, 0.0, out).astype(np.float32)
 

@@ -40,6 +40,7 @@ class Spectrum:
         """
         size = len(self.frequency)
         distance = np.hypot(self.frequency[:, None], self.frequency[None, :])
+        # Rings beyond the Nyquist frequency lie in the corners only and are left out.
         ring = np.rint(distance * size).astype(int)
         inside = (ring >= 1) & (ring <= size // 2)
         count = np.bincount(ring[inside], minlength=size // 2 + 1)[1:]

@@ -108,6 +108,7 @@ def require_torus(model: GaussMarkov, shape: Sequence[int]) -> Offset:
         A side on which a neighbour to one side is also one to the other.
     """
     sides = (1, *shape) if len(shape) == 2 else tuple(shape)
+    # On a shorter side d and -d would be the same neighbour, counted twice.
     least = [2 * reach + 1 for reach in model.reach]
     if len(sides) != 3 or any(side < need for side, need in zip(sides, least, strict=True)):
         raise DomainError(
@@ -199,6 +200,7 @@ def covariance(model: GaussMarkov, shape: Sequence[int]) -> FloatArray:
 
 def half_weights(columns: int) -> FloatArray:
     """Multiplicity of each column of a half spectrum in the whole one: two but for frequency 0 and Nyquist's."""
+    # A real field has conjugate amplitudes at opposite frequencies: the half spectrum stands for both.
     weights = np.full(columns // 2 + 1, 2.0)
     weights[0] = 1.0
     if columns % 2 == 0:

@@ -68,6 +68,7 @@ class Covariances:
             taper = 1.0 - lags / (max(self.shape[axis], reach + 1) if self.periodic else max(self.shape[axis], 2 * reach + 1))
             out *= taper.reshape([-1 if i == axis else 1 for i in range(3)])
         spectrum = np.fft.fftn(np.fft.ifftshift(out)).real
+        # A field has a positive spectrum; a millionth of the largest value bounds the precisions.
         spectrum = np.maximum(spectrum, 1e-6 * spectrum.max())
         return Covariances(np.fft.fftshift(np.fft.ifftn(spectrum).real), self.mean, self.shape, self.periodic)
 
@@ -356,6 +357,7 @@ def choose(data: Covariances, among: Sequence[Offset], most: int = 16) -> GaussM
     """
     _require_pixels(data, 1)
     pool = [canonical(d) for d in among]
+    # Mean and variance are parameters too.
     most = min(most, data.pixels // PER_PARAMETER - 2)
     try:
         return _forward(data, pool, most)
@@ -371,6 +373,7 @@ def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit
     likelihood = _Likelihood(data, pool, SEARCHED)
     likelihood.offsets = ()
     theta, value, _ = _maximise(likelihood, None)
+    # Half of the criterion's price of a parameter, per pixel, as the likelihood is.
     penalty = 0.5 * math.log(data.pixels) / data.pixels
     while len(chosen) < most and len(chosen) < len(pool):
         best = _most_promising(likelihood, theta, [d for d in pool if d not in chosen])

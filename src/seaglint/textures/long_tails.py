@@ -107,6 +107,7 @@ def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, see
     """
     target = tail(data)
     shape = pilot_shape(model, np.shape(data)[0])
+    # Rates of few exceedances scatter more and count less.
     weights = np.sqrt(np.maximum(target.counts, 1.0))
     plain = misfit(tail(marginal.transform(latent(model, shape, seed))), target)
 

@@ -106,6 +106,7 @@ class Marginal:
         """Standard normal values that the transform maps to ``values`` [1]; those beyond the table take its ends."""
         grid = np.linspace(-REACH, REACH, TABLE)
         table = self(grid)
+        # Interpolation needs rising values: equal ones at the ends of the table are taken once.
         rising, places = np.unique(table, return_index=True)
         return np.interp(np.asarray(values, np.float64), rising, grid[places])
 
@@ -231,6 +232,7 @@ def _k_quantiles(shape: float) -> Callable[[FloatArray], FloatArray]:
     x = np.exp(np.linspace(math.log(1e-14), math.log(4e3 * max(shape, 1.0)), 20_000))
     root = 2.0 * np.sqrt(x)
     log_above = math.log(2.0) + 0.5 * shape * np.log(x) + np.log(special.kve(shape, root)) - root - special.gammaln(shape)
+    # A probability falls with x; rounding near 1 must not raise it.
     log_above = np.minimum.accumulate(np.minimum(log_above, -1e-16))
     g = np.where(log_above < -math.log(2.0), -special.ndtri_exp(log_above), special.ndtri(-np.expm1(log_above)))
     rising, places = np.unique(g, return_index=True)

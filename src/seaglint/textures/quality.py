@@ -238,6 +238,7 @@ def _rms(a: FloatArray, b: FloatArray) -> float:
 def _decibels(a: Spectrum, b: Spectrum) -> float:
     """Rms of the ratio of two spectra over the frequencies with more than a millionth of the largest density [dB]."""
     largest = max(float(a.density.max()), float(b.density.max()))
+    # Below a millionth of the largest density spectra are rounding, whose ratio has no meaning.
     floor = 1e-6 * largest
     ratio = 10.0 * np.log10(np.maximum(a.density, floor) / np.maximum(b.density, floor))
     return float(np.sqrt(np.mean(ratio**2)))
@@ -269,6 +270,7 @@ def compare(
             raise DataError(f"{name}: values are missing or infinite; choose a region without them")
     side = min(_side(first.shape), _side(second.shape))
     ends = np.quantile(np.concatenate([_some(first), _some(second)]), [0.001, 0.999])
+    # Fewer frames give no correlation in time.
     timed = consecutive and min(len(first), len(second)) >= 8
     frames = min(len(first), len(second)) if timed else 0
     return Comparison(*(_measure(name, x, side, ends, frames) for name, x in zip(names, (first, second), strict=True)))

@@ -118,6 +118,7 @@ def require_values(frames: ArrayLike, *, two: bool = False) -> None:
             f"{missing} values are missing or infinite (the first in row {where[0]}, column {where[1]} of the region); "
             "choose a region without them"
         )
+    # One frame suffices for a large recording, whose sorting would take seconds.
     few = np.unique(x[:1] if x.size > 10_000_000 else x)[:3]
     if few.size == 1:
         raise DataError(f"all values are {few[0]:g}: there is no texture to fit; choose another region")
@@ -170,6 +171,7 @@ def examine(frames: NDArray[np.floating]) -> Changes:
     deviations = [float(part.std()) for part in parts]
     if not min(deviations) > 0.0:
         return Changes(max(share, 0.0), math.inf)
+    # The scatter of a standard deviation follows from the kurtosis and the number of independent values of a part.
     kurtosis = float((left**4).mean()) / float((left**2).mean()) ** 2
     scatter = math.sqrt(max(kurtosis - 1.0, 0.0) * PARTS**2 * area / (4.0 * surface.size))
     return Changes(max(share, 0.0), max(max(deviations) / min(deviations) / min(math.exp(BY_CHANCE[1] * scatter), MOST_BY_CHANCE[1]), 1.0))

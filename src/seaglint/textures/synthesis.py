@@ -84,6 +84,7 @@ def gaussian(shape: Sequence[int], density: Density, seed: int, purpose: str = "
 
     frames, rows, columns = shape
     spectrum = np.empty((frames, rows, columns // 2 + 1), np.complex64)
+    # Real and imaginary part share the variance of a wave; irfftn divides by the number of pixels.
     scale = math.sqrt(0.5 * frames * rows * columns)
     # Of the waves that are their own mirror image along x the transform takes the real part alone: half of the variance of white noise.
     twice = np.ones(columns // 2 + 1)
@@ -131,6 +132,7 @@ def density_of(model: GaussMarkov, shape: Sequence[int]) -> Density:
         sums[k] = float((weights / slabs(k)).sum())
 
     _each(add, sides[0])
+    # Summed exactly, so that the order of the threads changes no byte.
     total = math.fsum(sums) / math.prod(sides)
     return lambda k: 1.0 / (total * slabs(k))
 
