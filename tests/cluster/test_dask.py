@@ -214,10 +214,10 @@ def test_a_scheduler_without_workers_is_told(lone_scheduler):
 
 def test_another_processor_type_is_told(three):
     said = []
-    three._say = said.append
+    three._report = said.append
     odd = this_machine()._replace(processor="x86_64 another")
-    three._tell_processors({"tcp://a:1": odd, "tcp://b:1": odd, "tcp://c:1": this_machine()})
-    three._say = lambda line: None
+    three._report_processors({"tcp://a:1": odd, "tcp://b:1": odd, "tcp://c:1": this_machine()})
+    three._report = lambda line: None
     assert len(said) == 1
     assert said[0].startswith("2 workers (tcp://a:1, tcp://b:1) have another processor type, x86_64 another and not")
 
@@ -267,7 +267,7 @@ def test_a_scheduler_that_is_lost_in_the_middle(comes_back, tmp_path, monkeypatc
     ("text", "told"),
     [
         ("kind = 'cray'", "kind = 'cray'; allowed are slurm"),
-        ("jobs = 0", "jobs = 0; give how many"),
+        ("jobs = 0", "jobs = 0; give the number"),
         ("timeout_s = '1 h'", "timeout_s = '1 h'; give the seconds"),
         ("jobs = ", "is no TOML file"),
     ],
