@@ -264,9 +264,7 @@ class MitsubaSea:
         # carried along the line of sight to a vertical that turns with the true radius: the effective one stands for refraction
         turn_e, turn_n = p.x / EARTH_RADIUS, p.y / EARTH_RADIUS
         foot = self._sun_sample(random)
-        sun = dr.normalize(
-            mi.Vector3f(foot.x - foot.z * turn_e, foot.y - foot.z * turn_n, foot.z + foot.x * turn_e + foot.y * turn_n),
-        )
+        sun = dr.normalize(mi.Vector3f(foot.x - foot.z * turn_e, foot.y - foot.z * turn_n, foot.z + foot.x * turn_e + foot.y * turn_n))
         shadow = mi.Ray3f(
             mi.Point3f(p.x, p.y, p.z + LIFT),
             mi.Vector3f(sun.x + sun.z * tilt_e, sun.y + sun.z * tilt_n, sun.z - sun.x * tilt_e - sun.y * tilt_n),

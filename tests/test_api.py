@@ -35,14 +35,7 @@ RATE = 20.0
 SCENE = {
     "seed": 5,
     "sun": {"zenith_deg": 70, "azimuth_deg": 240},
-    "sensor": {
-        "azimuth_deg": 240,
-        "elevation_deg": -3.0,
-        "fov_deg": [4, 6],
-        "pixels": [32, 40],
-        "frames": 4,
-        "frame_rate_hz": RATE,
-    },
+    "sensor": {"azimuth_deg": 240, "elevation_deg": -3.0, "fov_deg": [4, 6], "pixels": [32, 40], "frames": 4, "frame_rate_hz": RATE},
     "sea": {"shortest_wave_m": 4.0},
     "render": {"tile_size": 128, "layers": ["glint_radiance"], "apparent_temperature": True},
 }

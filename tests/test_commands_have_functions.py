@@ -66,10 +66,7 @@ def test_a_command_has_its_function_with_its_parameters(command: str) -> None:
 PYTHON = {"progress", "workers", "output", "overwrite"}
 """Parameters of Python: reports of progress, a cluster, and a file where a command always writes or prints."""
 
-ALLOWED = {
-    "sweep": {"lazy"},
-    "sense": {"radiance", "units", "raw"},
-}
+ALLOWED = {"sweep": {"lazy"}, "sense": {"radiance", "units", "raw"}}
 
 
 @pytest.mark.parametrize("command", COMMANDS)

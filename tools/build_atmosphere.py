@@ -33,13 +33,7 @@ from typing import Any, Literal
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from seaglint.air.coordinates import (
-    elevation_of_coordinate,
-    encode_optical_depth,
-    path_coordinate,
-    straight_sea_cosine,
-    straight_slant,
-)
+from seaglint.air.coordinates import elevation_of_coordinate, encode_optical_depth, path_coordinate, straight_sea_cosine, straight_slant
 from seaglint.air.lowtran_table import Stencil
 from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.protocol import slant_range
@@ -245,12 +239,7 @@ def sample(program: Path, model: str, folder: Path, workers: int) -> None:
     probe = run(program, line_of_sight(model, 5.0, "path", 100.0, np.pi))
     v, profile = probe.wavenumber_cm, refraction_of(probe)
     air = air_of(profile)
-    np.savez(
-        folder / "profile.npz",
-        wavenumber_cm=v,
-        **profile,
-        solar=run(program, line_of_sight(model, 5.0, "sun", 0.0, 0.0)).source,
-    )
+    np.savez(folder / "profile.npz", wavenumber_cm=v, **profile, solar=run(program, line_of_sight(model, 5.0, "sun", 0.0, 0.0)).source)
     missing = [slab for slab in slabs() if not (folder / slab_name(*slab)).exists()]
     start = time.monotonic()
     with ThreadPoolExecutor(workers) as pool:

@@ -12,10 +12,7 @@ from pathlib import Path
 
 BESIDE = Path(__file__).resolve().parents[2] / "shared"
 
-FOLDERS = {
-    "SEAGLINT_REFERENCE_DIR": ("reference", "reference tables"),
-    "SEAGLINT_DATA_DIR": ("data", "measured waves and imagery"),
-}
+FOLDERS = {"SEAGLINT_REFERENCE_DIR": ("reference", "reference tables"), "SEAGLINT_DATA_DIR": ("data", "measured waves and imagery")}
 """Variable: its folder in ``../shared``, and what is in it."""
 
 

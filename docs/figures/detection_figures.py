@@ -36,11 +36,7 @@ from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, f
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 SUN = 240.0
-BASE: dict[str, Any] = {
-    "seed": 11,
-    "sun": {"zenith_deg": 70.0, "azimuth_deg": SUN},
-    "wind": {"speed_m_s": 5.0, "from_deg": 205.0},
-}
+BASE: dict[str, Any] = {"seed": 11, "sun": {"zenith_deg": 70.0, "azimuth_deg": SUN}, "wind": {"speed_m_s": 5.0, "from_deg": 205.0}}
 SENSOR: dict[str, Any] = {
     "optics": {"focal_length_m": 0.05, "f_number": 4.0},
     "detector": {"pitch_um": 15.0, "integration_time_s": 4e-4, "quantum_efficiency": 0.8, "well_capacity_e": 7e6, "read_noise_e": 600},

@@ -32,11 +32,7 @@ ROOT = Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "docs" / "images"
 BANDS = parse_bands(["2.0-2.4", "3.5-4.2", "3.5-5.0", "4.5-5.0"])
 SUNS = (30.0, 60.0, 76.0, 85.0)
-LINES = {
-    "path from 30 m to the sea, 1° down": ("path", 30.0, -1.0),
-    "sky 2° up": ("sky", 0.0, 2.0),
-    "sky 10° up": ("sky", 0.0, 10.0),
-}
+LINES = {"path from 30 m to the sea, 1° down": ("path", 30.0, -1.0), "sky 2° up": ("sky", 0.0, 2.0), "sky 10° up": ("sky", 0.0, 10.0)}
 SEAS = 12
 DEPRESSION = 5.0
 

@@ -112,10 +112,7 @@ def draw_lenses() -> None:
     figure = Figure(figsize=(7.4, 8.6), layout="constrained")
     for axes, (title, errors) in zip(
         figure.subplots(2, 1),
-        (
-            ("a wide lens without errors", {}),
-            ("distortion = 0.12 (pincushion) and cos4 = true", {"distortion": 0.12, "cos4": True}),
-        ),
+        (("a wide lens without errors", {}), ("distortion = 0.12 (pincushion) and cos4 = true", {"distortion": 0.12, "cos4": True})),
         strict=True,
     ):
         run = prepare_sensed(parse_scenario({**WIDE, "sensor": {**WIDE["sensor"], "optics": lens | errors, "detector": pixels}}))

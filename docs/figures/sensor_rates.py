@@ -28,10 +28,7 @@ from validation_tables import PAGE, replace, table
 
 GUIDE = PAGE.parent / "guide" / "sensor.md"
 OUTPUT = PAGE.parent / "data" / "sensor_rates.csv"
-SENSORS = {
-    "F/2": {"f_number": 2.0},
-    "F/4, 0.5 pixels of jitter": {"f_number": 4.0, "jitter_urad": 270.0},
-}
+SENSORS = {"F/2": {"f_number": 2.0}, "F/4, 0.5 pixels of jitter": {"f_number": 4.0, "jitter_urad": 270.0}}
 DETECTOR = {"pitch_um": 15.0, "integration_time_s": 5e-4, "well_capacity_e": 2e7, "read_noise_e": 600.0, "bit_depth": 16}
 APART = 1.0
 

@@ -7,12 +7,7 @@ from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.profile.profile_scattering import model_scatterers, scattered_cases, scatters_in
 from seaglint.air.protocol import ClearAir, slant_range
 from seaglint.air.scattering.gas_bands import GasBands
-from seaglint.air.scattering.scattered_light import (
-    scattered_path,
-    scattered_path_at,
-    scattered_shares,
-    scattered_sky_at,
-)
+from seaglint.air.scattering.scattered_light import scattered_path, scattered_path_at, scattered_shares, scattered_sky_at
 from seaglint.air.scattering.scattered_line import KINDS, horizon_zenith, local_zenith
 from seaglint.air.scattering.scattered_tables import ScatteredLight, scattered_in
 from seaglint.air.scattering.scattering_laws import AerosolLaws, AirLevels, ScatteringAir, SpectralLaws, molecular_phase, scattering_angle
@@ -144,13 +139,7 @@ def test_tables_of_a_setting_sun_have_no_step(scattering_air, weights):
         light = scattered_in(_Only(scattering_air), slice(None), weights, 30.0, float(zenith), 0.002)
         shapes = light.sea_sky.spectral @ weights
         mirrored = [scattered_shares(0.1, 0.2, light.sea_sky, place) @ shapes for place in (None, float(zenith) - 0.001)]
-        seen.append(
-            [
-                scattered_path_at(3e3, -0.01, 0.2, light.path),
-                scattered_sky_at(0.1, 0.2, light.sky),
-                *np.maximum(mirrored, 0.0),
-            ]
-        )
+        seen.append([scattered_path_at(3e3, -0.01, 0.2, light.path), scattered_sky_at(0.1, 0.2, light.sky), *np.maximum(mirrored, 0.0)])
     seen = np.array(seen)
     assert np.all(seen[0] > 1e-4)
     assert not seen[-1, :3].any()

@@ -8,16 +8,7 @@ from scipy.stats import genpareto
 
 from seaglint.base.errors import DomainError
 from seaglint.clutter.exceedances import Events
-from seaglint.clutter.extremes import (
-    TRUSTED_SETS,
-    TRUSTED_SPAN,
-    ParetoFit,
-    _anderson_darling,
-    _draw,
-    fit_pareto,
-    fit_tail,
-    with_limits,
-)
+from seaglint.clutter.extremes import TRUSTED_SETS, TRUSTED_SPAN, ParetoFit, _anderson_darling, _draw, fit_pareto, fit_tail, with_limits
 from seaglint.clutter.false_alarms import FalseAlarms, RateCurve
 
 
@@ -90,10 +81,7 @@ def test_intervals_cover_at_their_level() -> None:
 
 @pytest.mark.parametrize(
     ("z", "why"),
-    [
-        (np.zeros((2, 40, 40)), "0 events"),
-        (np.where(np.random.default_rng(1).random((2, 90, 90)) < 0.02, 7.0, 0.0), "different values"),
-    ],
+    [(np.zeros((2, 40, 40)), "0 events"), (np.where(np.random.default_rng(1).random((2, 90, 90)) < 0.02, 7.0, 0.0), "different values")],
 )
 def test_no_tail_is_an_answer(z: np.ndarray, why: str) -> None:
     tail, note = fit_tail(*tail_of(z))

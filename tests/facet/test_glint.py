@@ -102,10 +102,7 @@ LAMBDA_80, LAMBDA_85 = 1 / 0.92141 - 1, 1 / 0.71082 - 1
 
 @pytest.mark.parametrize(
     ("view", "sun", "expected"),
-    [
-        (85.0, 80.0, (1 + LAMBDA_85) / (1 + LAMBDA_85 + LAMBDA_80)),
-        (80.0, 85.0, (1 + LAMBDA_80) / (1 + LAMBDA_85 + LAMBDA_80)),
-    ],
+    [(85.0, 80.0, (1 + LAMBDA_85) / (1 + LAMBDA_85 + LAMBDA_80)), (80.0, 85.0, (1 + LAMBDA_80) / (1 + LAMBDA_85 + LAMBDA_80))],
 )
 def test_second_leg_takes_what_smith_says(view, sun, expected):
     slopes = SlopeStatistics(0.0316, 0.0316)

@@ -120,8 +120,7 @@ def remove_claim(partial: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("harm", "words"),
-    [(remove_a_frame, "1 of 4 frames are missing"), (remove_all, "moved or removed"), (remove_claim, "lock was removed")],
+    ("harm", "words"), [(remove_a_frame, "1 of 4 frames are missing"), (remove_all, "moved or removed"), (remove_claim, "lock was removed")]
 )
 @pytest.mark.parametrize("at", [2, 4], ids=["between frames", "before the name is given"])
 def test_what_was_tampered_with_does_not_get_its_name(output, at, harm: Callable[[Path], None], words):

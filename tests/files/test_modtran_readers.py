@@ -175,10 +175,7 @@ MISTAKES = {
     ),
     "zero wavenumber": (seven(lambda t: t.replace("  2400. ", "     0. ", 1)), "wavenumber = 0 is not above 0"),
     "zeros": (comma(lambda t: zeroed(t)), "case 1: .*thermal radiance is 0 everywhere|parts miss the total"),
-    "no thermal": (
-        keyed(lambda m: m[2]["MODTRANOUTPUT"]["SPECTRA"]["RADIANCE"].pop("THRML_EM")),
-        "case 3: has no thermal path radiance",
-    ),
+    "no thermal": (keyed(lambda m: m[2]["MODTRANOUTPUT"]["SPECTRA"]["RADIANCE"].pop("THRML_EM")), "case 3: has no thermal path radiance"),
     "no transmittance": (
         comma(lambda t: t.replace("total transmittance", "x").replace("irradiance at observer", "y")),
         "TOT_TRANS .* missing",

@@ -161,10 +161,7 @@ def test_any_of_the_five_files_stands_for_all(suffix: str, tmp_path: Path) -> No
     assert read_waves(path, THEN).spectrum.significant_height() == pytest.approx(2.0, rel=0.01)
 
 
-PLAIN = {
-    "ndbc": lambda folder: shutil.copy(wave_files.ndbc(folder), folder / "alone.data_spec"),
-    "triaxys": wave_files.triaxys_plain,
-}
+PLAIN = {"ndbc": lambda folder: shutil.copy(wave_files.ndbc(folder), folder / "alone.data_spec"), "triaxys": wave_files.triaxys_plain}
 
 
 @pytest.mark.parametrize("name", PLAIN)

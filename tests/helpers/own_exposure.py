@@ -77,11 +77,7 @@ def at(column, row, distance):
     level = math.hypot(x, distance)
     radius = math.hypot(level, EFFECTIVE_EARTH_RADIUS + HEIGHT + z)
     psi = math.atan2(level, EFFECTIVE_EARTH_RADIUS + HEIGHT + z)
-    return (
-        EFFECTIVE_EARTH_RADIUS * psi * x / level,
-        EFFECTIVE_EARTH_RADIUS * psi * distance / level,
-        radius - EFFECTIVE_EARTH_RADIUS,
-    )
+    return (EFFECTIVE_EARTH_RADIUS * psi * x / level, EFFECTIVE_EARTH_RADIUS * psi * distance / level, radius - EFFECTIVE_EARTH_RADIUS)
 
 
 def pixel(column, row):

@@ -91,15 +91,7 @@ def sea_view(air, slopes, height=30.0, sun_zenith=60.0, sun_azimuth=0.0, **chang
 
 def camera(height, top, bottom, rows, *, azimuth=0.0, width=1.0, columns=1) -> Camera:
     """Camera whose rows reach from elevation ``top`` to ``bottom``; all angles in degrees."""
-    return Camera(
-        height,
-        np.radians(azimuth),
-        np.radians(0.5 * (top + bottom)),
-        np.radians(width),
-        np.radians(top - bottom),
-        columns,
-        rows,
-    )
+    return Camera(height, np.radians(azimuth), np.radians(0.5 * (top + bottom)), np.radians(width), np.radians(top - bottom), columns, rows)
 
 
 def swept_scene(view, camera, waves=None, *, layers=(), sparkles=NO_SPARKLES, **accuracy) -> SweptScene:

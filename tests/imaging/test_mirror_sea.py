@@ -15,20 +15,7 @@ from seaglint.facet.legs import BOTH
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.sea.wave_field import WaveField
-from truth_table import (
-    BESIDE,
-    HEIGHT,
-    LONGEST_RIPPLE,
-    PIXELS,
-    WINDS,
-    camera_at,
-    compare,
-    disc_radius,
-    four_suns,
-    line,
-    mapped,
-    view_of,
-)
+from truth_table import BESIDE, HEIGHT, LONGEST_RIPPLE, PIXELS, WINDS, camera_at, compare, disc_radius, four_suns, line, mapped, view_of
 
 NO_SHIFT = np.zeros((2, 2))
 
@@ -164,10 +151,7 @@ def test_mirrors_and_convex_hulls_find_the_same_low_suns(reference_dir, wind):
     with (reference_dir / "low_sun.csv").open() as stream:
         rows = [row for row in csv.DictReader(stream) if row["case"] == f"U{wind:g} elf iso 1cm"]
     table = {
-        (float(r["view_depression_deg"]), float(r["sun_elevation_deg"])): (
-            float(r["lit_and_seen_over_smith"]),
-            float(r["standard_error"]),
-        )
+        (float(r["view_depression_deg"]), float(r["sun_elevation_deg"])): (float(r["lit_and_seen_over_smith"]), float(r["standard_error"]))
         for r in rows
     }
     waves, ripples = fields(wind, 0.01, RoundSpectrum)

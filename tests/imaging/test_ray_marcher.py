@@ -110,13 +110,7 @@ def test_sweep_and_marcher_agree_on_short_steep_waves(sun_zenith):
     image = shown(swept_scene(view, eye, waves, step=0.1, lines_per_column=4, shortest_wave_columns=0.0), 0.5).glint_radiance
     block = (eye.azimuth, eye.width, eye.elevation, eye.height_angle)
     found, error = mean_radiance(
-        sea_of(waves, 0.5),
-        facets(view, waves),
-        12.0,
-        block,
-        (view.solar_zenith, 0.0),
-        20_000,
-        reflected=reflected(view),
+        sea_of(waves, 0.5), facets(view, waves), 12.0, block, (view.solar_zenith, 0.0), 20_000, reflected=reflected(view)
     )
     # the sweep's steps and tables: half a per cent
     assert image.mean() == pytest.approx(found, rel=5e-3, abs=3.5 * error)
@@ -180,14 +174,7 @@ def test_sweep_and_marcher_agree_on_the_comparison_scene(sun_zenith, row, azimut
 @pytest.mark.validation
 @pytest.mark.parametrize(
     ("row", "azimuth", "rays"),
-    [
-        (60, 2.75, 32768),
-        (60, 5.0, 32768),
-        (60, 7.25, 65536),
-        (120, 5.0, 32768),
-        (120, 7.25, 32768),
-        (300, 7.25, 16384),
-    ],
+    [(60, 2.75, 32768), (60, 5.0, 32768), (60, 7.25, 65536), (120, 5.0, 32768), (120, 7.25, 32768), (300, 7.25, 16384)],
 )
 def test_sweep_and_marcher_agree_far_off_a_low_sun(row, azimuth, rays):
     """Radiance falls by a factor of 200 from 5 to 7.25 deg off the Sun: within half a per cent, or four standard errors of a block."""

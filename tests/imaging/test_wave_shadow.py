@@ -73,9 +73,6 @@ def test_shadows_that_are_not_looked_for_are_next_to_nothing():
     with_all = swept_scene(view, eye, waves, negligible_shadow=0.0)
     assert with_none.tables.walk.shadow[:, 0].max() == 0.0
     assert with_all.tables.walk.shadow[:, 0].min() > 0.0
-    skipped, looked_for = (
-        shown(with_none, 0.0).glint_radiance.mean(dtype=float),
-        shown(with_all, 0.0).glint_radiance.mean(dtype=float),
-    )
+    skipped, looked_for = (shown(with_none, 0.0).glint_radiance.mean(dtype=float), shown(with_all, 0.0).glint_radiance.mean(dtype=float))
     assert looked_for <= skipped
     assert looked_for == pytest.approx(skipped, rel=3e-3)

@@ -108,12 +108,7 @@ def test_a_point_and_a_field_agree() -> None:
 
 @pytest.mark.parametrize(
     ("fill", "detector", "optics"),
-    [
-        (1.0, {}, {}),
-        (0.5, {}, {}),
-        (0.8, {"crosstalk": 0.1}, {"stray_share": 0.05}),
-        (0.9, {}, {"drift": (0.2, 0.1), "jitter": 4e-5}),
-    ],
+    [(1.0, {}, {}), (0.5, {}, {}), (0.8, {"crosstalk": 0.1}, {"stray_share": 0.05}), (0.9, {}, {"drift": (0.2, 0.1), "jitter": 4e-5})],
 )
 def test_the_middle_pixel_has_the_response_that_is_told(fill: float, detector: dict[str, Any], optics: dict[str, Any]) -> None:
     """With crosstalk, stray light, motion and a fill factor: the picture's own pixel, of a point drawn into one fine pixel of 9 x 9."""

@@ -107,17 +107,11 @@ def scenario(optics=None, detector=None, pixels=(64, 48), **more):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (
-            {"optics": {"jitter_urad": 1e5}},
-            r"sensor\.optics\.jitter_urad = 100000 is 666\.7 pixels rms.*up to 2400 urad",
-        ),
+        ({"optics": {"jitter_urad": 1e5}}, r"sensor\.optics\.jitter_urad = 100000 is 666\.7 pixels rms.*up to 2400 urad"),
         ({"optics": {"jitter_urad": 2500}}, r"sensor\.optics\.jitter_urad = 2500 is 16\.67 pixels rms"),
         ({"optics": {"drift_along_urad_s": 1e8}}, r"sensor\.optics\.drift_along_urad_s = 1e\+08 moves the picture by 1333 pixels"),
         ({"optics": {"drift_across_urad_s": -1e8}}, r"sensor\.optics\.drift_across_urad_s = -1e\+08 moves the picture by 1333 pixels"),
-        (
-            {"detector": {"dark_current_e_s": 5e8}},
-            r"= 5e\+08 fills the well of 1e\+06 electrons in 0\.002 s; allowed are below",
-        ),
+        ({"detector": {"dark_current_e_s": 5e8}}, r"= 5e\+08 fills the well of 1e\+06 electrons in 0\.002 s; allowed are below"),
         ({"detector": {"dark_current_e_s": 1e13, "short_integration_time_s": 1e-6}}, r"fills the well of 1e\+06 electrons in 1e-06 s"),
         ({"detector": {"dark_current_e_s": 6e8, "short_integration_time_s": 1e-6}}, r"fills the well of 1e\+06 electrons in 0\.002 s"),
         ({"detector": {"integration_time_s": 0.1}}, r"integration_time_s = 0\.1 is longer than a frame of 0\.04 s"),

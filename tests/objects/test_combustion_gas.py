@@ -15,9 +15,7 @@ from seaglint.optics.blackbody import planck_wavenumber
 
 # Leckner (1972) as in Modest (2013), table 11.5: ln of the total emissivity by powers of T/1000 K (along) and of log10 of bar cm (down)
 WATER = np.array([[-2.2118, -1.1987, 0.035596], [0.85667, 0.93048, -0.14391], [-0.10838, -0.17156, 0.045915]])
-CARBON = np.array(
-    [[-3.9893, 2.7669, -2.1081, 0.39163], [1.2710, -1.1090, 1.0195, -0.21897], [-0.23678, 0.19731, -0.19544, 0.044644]],
-)
+CARBON = np.array([[-3.9893, 2.7669, -2.1081, 0.39163], [1.2710, -1.1090, 1.0195, -0.21897], [-0.23678, 0.19731, -0.19544, 0.044644]])
 
 
 @pytest.mark.parametrize(("table", "gas"), [(CARBON, 0), (WATER, 1)], ids=["co2", "h2o"])

@@ -151,10 +151,7 @@ def visible(one: Scene, point: np.ndarray, arc: float, height: float) -> bool:
     if sea.tangent.size == 0:
         return height >= 0.0 and (arc <= sea.horizon[0] or tangent >= sea.horizon[1])
     lines = np.arange(len(sea.tangent))
-    at = (
-        np.clip((math.atan2(point[0], point[1]) - sea.azimuth) * sea.per_radian, 0, lines[-1]),
-        np.clip(arc, sea.arc[0], sea.arc[-1]),
-    )
+    at = (np.clip((math.atan2(point[0], point[1]) - sea.azimuth) * sea.per_radian, 0, lines[-1]), np.clip(arc, sea.arc[0], sea.arc[-1]))
     low, before = (RegularGridInterpolator((lines, sea.arc), table)(at).item() for table in (sea.height, sea.tangent))
     return height >= low and (tangent < -STEEP or tangent >= before)
 

@@ -219,8 +219,7 @@ def test_unknown_units_and_rate_are_told(single, sequence):
 
 
 @pytest.mark.parametrize(
-    ("given", "shown"),
-    [("W m-2 sr-1", "W m⁻² sr⁻¹"), ("K", "K"), ("counts 2", "counts 2"), ("cm2", "cm²"), (None, "unit"), ("", "unit")],
+    ("given", "shown"), [("W m-2 sr-1", "W m⁻² sr⁻¹"), ("K", "K"), ("counts 2", "counts 2"), ("cm2", "cm²"), (None, "unit"), ("", "unit")]
 )
 def test_powers_in_units_are_raised(given, shown):
     assert unit_of(given) == shown

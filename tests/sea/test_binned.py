@@ -24,11 +24,7 @@ def bins(step: float, centre: float = 1.0, width: float = np.radians(25.0)) -> B
     return of_bins(FREQUENCY, azimuth, ENERGY[:, None] * share / (share.sum() * np.radians(step)), WIND)
 
 
-SEAS = {
-    "15 deg": bins(15.0),
-    "3 deg": bins(3.0),
-    "cosine": of_cosine(FREQUENCY, ENERGY, 1.0 + FREQUENCY, np.radians(25.0), WIND),
-}
+SEAS = {"15 deg": bins(15.0), "3 deg": bins(3.0), "cosine": of_cosine(FREQUENCY, ENERGY, 1.0 + FREQUENCY, np.radians(25.0), WIND)}
 
 
 @pytest.mark.parametrize("k", K)

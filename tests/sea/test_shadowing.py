@@ -7,13 +7,7 @@ from hypothesis import strategies as st
 from shadowing_laws import bistatic, saunders
 
 from seaglint.base.errors import DomainError
-from seaglint.sea.shadowing.smith import (
-    projected_area,
-    smith_lambda,
-    smith_lambda_kernel,
-    smith_nu,
-    visible_area_kernel,
-)
+from seaglint.sea.shadowing.smith import projected_area, smith_lambda, smith_lambda_kernel, smith_nu, visible_area_kernel
 
 
 @pytest.mark.parametrize(

@@ -120,9 +120,7 @@ def test_a_view_straight_down_turns_with_the_scene():
     one, other = (
         mean(
             scenario_with_sensor(
-                DOWN | {"azimuth_deg": turn},
-                sun={"zenith_deg": 20, "azimuth_deg": 30 + turn},
-                wind={"speed_m_s": 7, "from_deg": 70 + turn},
+                DOWN | {"azimuth_deg": turn}, sun={"zenith_deg": 20, "azimuth_deg": 30 + turn}, wind={"speed_m_s": 7, "from_deg": 70 + turn}
             )
         )
         for turn in (0, 180)

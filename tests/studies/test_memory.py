@@ -32,11 +32,7 @@ def test_the_pixels_recommended_fit(monkeypatch):
     memory.require_mean_memory(parse_scenario({"sensor": {"pixels": [4096, 2048]}}))
 
 
-@pytest.mark.parametrize(
-    "tables",
-    [{}, {"mean": {"mode": "article"}}],
-    ids=["spectral", "article"],
-)
+@pytest.mark.parametrize("tables", [{}, {"mean": {"mode": "article"}}], ids=["spectral", "article"])
 def test_the_estimate_holds_the_arrays_of_a_map(tables, monkeypatch):
     side = 320
     scenario = parse_scenario(

@@ -6,21 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from tests.helpers.own_exposure import (
-    COLUMNS,
-    HEIGHT,
-    ROWS,
-    STEP,
-    added,
-    at,
-    optics,
-    pixel,
-    planck,
-    scene,
-    seen,
-    sensor,
-    way,
-)
+from tests.helpers.own_exposure import COLUMNS, HEIGHT, ROWS, STEP, added, at, optics, pixel, planck, scene, seen, sensor, way
 
 import seaglint as sg
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS

@@ -20,18 +20,7 @@ from seaglint.clutter.thresholds import standardise
 from seaglint.formats.recording import open_recording
 from seaglint.instrument.figures_of_merit import blur_px, mtf
 from seaglint.studies.article import table1 as table1_module
-from seaglint.studies.article.table1 import (
-    ARTICLE,
-    BLUR_PX,
-    BLURS_PX,
-    MARGIN,
-    Table1,
-    corridor,
-    detector,
-    scene,
-    sequence,
-    table1,
-)
+from seaglint.studies.article.table1 import ARTICLE, BLUR_PX, BLURS_PX, MARGIN, Table1, corridor, detector, scene, sequence, table1
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 

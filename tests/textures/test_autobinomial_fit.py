@@ -211,8 +211,7 @@ def test_what_cannot_be_fitted_is_named(image: np.ndarray, settings: dict, text:
 
 
 @pytest.mark.parametrize(
-    ("change", "text"),
-    [({"kind": "gauss-markov"}, "not an autobinomial field"), ({"beta": None}, "not a whole autobinomial field")],
+    ("change", "text"), [({"kind": "gauss-markov"}, "not an autobinomial field"), ({"beta": None}, "not a whole autobinomial field")]
 )
 def test_models_of_another_kind_are_named(change: dict, text: str) -> None:
     with pytest.raises(DataError, match=text):

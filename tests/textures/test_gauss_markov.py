@@ -9,14 +9,7 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DataError, DomainError
-from seaglint.textures.gauss_markov import (
-    GaussMarkov,
-    covariance,
-    least_symbol,
-    log_likelihood,
-    pseudo_log_likelihood,
-    spectral_density,
-)
+from seaglint.textures.gauss_markov import GaussMarkov, covariance, least_symbol, log_likelihood, pseudo_log_likelihood, spectral_density
 from seaglint.textures.gauss_markov_fit import Covariances, _Likelihood, candidates, choose, covariances, fit
 from seaglint.textures.synthesis import latent
 

@@ -98,12 +98,7 @@ class Stencil:
         t = np.minimum((x - nodes[left]) / step, 1.0)
         beyond = np.maximum(x - nodes[-1], 0.0)
         # Hermite's basis on a step: both values, then both slopes; beyond the last node its slope alone counts
-        weight = (
-            (1.0 + 2.0 * t) * (1.0 - t) ** 2,
-            t * t * (3.0 - 2.0 * t),
-            step * t * (1.0 - t) ** 2,
-            step * t * t * (t - 1.0) + beyond,
-        )
+        weight = ((1.0 + 2.0 * t) * (1.0 - t) ** 2, t * t * (3.0 - 2.0 * t), step * t * (1.0 - t) ** 2, step * t * t * (t - 1.0) + beyond)
         return cls(np.stack([left, left + 1, left + n, left + 1 + n], axis=1), np.stack(weight, axis=1), 2 * n)
 
     def times(self, other: Stencil) -> Stencil:

@@ -14,13 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from seaglint.air.coordinates import (
-    decode_optical_depth,
-    elevation_coordinate,
-    encode_optical_depth,
-    heights_along,
-    path_coordinate,
-)
+from seaglint.air.coordinates import decode_optical_depth, elevation_coordinate, encode_optical_depth, heights_along, path_coordinate
 from seaglint.air.protocol import ANGLE_SLACK, ClearAir, ScatteredSamples, require_line, require_range, require_solar_zenith, slant_range
 from seaglint.air.sun_and_sky import Sky, SkySamples, brightness_temperature, radiance_of
 from seaglint.air.vacuum import exoatmospheric_irradiance

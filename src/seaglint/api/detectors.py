@@ -426,12 +426,7 @@ def _cases(source: SceneInput, vary: Any, table: str | Path | None, sensor: str 
 
 
 def _study(
-    source: SceneInput,
-    request: SceneRequest,
-    vary: Any,
-    table: str | Path | None,
-    workers: int | Workers | None,
-    progress: Progress | None,
+    source: SceneInput, request: SceneRequest, vary: Any, table: str | Path | None, workers: int | Workers | None, progress: Progress | None
 ) -> ResultRecord:
     """Run the cases of a scenario."""
     from seaglint.base.errors import DataError

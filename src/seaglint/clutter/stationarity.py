@@ -47,13 +47,7 @@ class Stationarity:
 
 
 def stationarity(
-    frames: ArrayLike,
-    mask: NDArray[np.bool_] | None = None,
-    *,
-    length_x: float,
-    length_y: float,
-    permutations: int = 999,
-    seed: int = 0,
+    frames: ArrayLike, mask: NDArray[np.bool_] | None = None, *, length_x: float, length_y: float, permutations: int = 999, seed: int = 0
 ) -> Stationarity:
     """Test whether local means and variances are equal all over a region.
 

@@ -78,11 +78,7 @@ class NeededContrast:
 
 
 def contrast_for(
-    background: Background,
-    source: FrameSource,
-    objects: InjectedObjects,
-    threshold: Threshold,
-    p_d: float = 0.9,
+    background: Background, source: FrameSource, objects: InjectedObjects, threshold: Threshold, p_d: float = 0.9
 ) -> NeededContrast:
     """Return the contrast at which a share ``p_d`` of the objects is detected, bracketed in rounds.
 

@@ -153,12 +153,7 @@ def sun_factor(
 
 @kernel
 def facet_share(
-    sun: Sunlight,
-    rough: Roughness,
-    sight: Sight,
-    grazing: tuple[float, float],
-    mirror: tuple[float, float],
-    slope: tuple[float, float],
+    sun: Sunlight, rough: Roughness, sight: Sight, grazing: tuple[float, float], mirror: tuple[float, float], slope: tuple[float, float]
 ) -> tuple[float, float, float]:
     """Share :func:`seen_and_lit` of a facet of a slope, for the slope ``mirror`` that mirrors the Sun, and its lean, east and north.
 

@@ -303,12 +303,7 @@ class GlintModel:
 
     @classmethod
     def prepare(
-        cls,
-        solar_zenith: float,
-        solar_azimuth: float,
-        slopes: SlopeStatistics,
-        shadowing: Shadowing = NESTED,
-        sunlight: SunTable = STEADY,
+        cls, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing = NESTED, sunlight: SunTable = STEADY
     ) -> GlintModel:
         """Prepare the constants of one Sun and one sea.
 

@@ -115,13 +115,7 @@ def azimuth_node(axes: np.ndarray, size: int, azimuth: float) -> tuple[int, floa
 
 @kernel
 def facet_thermal(
-    axes: np.ndarray,
-    thermal: ThermalLine,
-    path: np.ndarray,
-    at: tuple[int, float],
-    sight: Sight,
-    sine: float,
-    slope: tuple[float, float],
+    axes: np.ndarray, thermal: ThermalLine, path: np.ndarray, at: tuple[int, float], sight: Sight, sine: float, slope: tuple[float, float]
 ) -> float:
     """Emission and reflected sky of a facet, attenuated [W m-2 sr-1], at a sine of the grazing angle.
 

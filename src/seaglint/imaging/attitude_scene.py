@@ -330,12 +330,7 @@ class TurnedScene:
         view, swept = self._view_at(at), None
         if grid is not None:
             swept = SweptScene.prepare(
-                view,
-                replace(grid, height=at),
-                self.waves,
-                accuracy=self.accuracy.of_cells(),
-                layers=self.layers,
-                sparkles=self.sparkles,
+                view, replace(grid, height=at), self.waves, accuracy=self.accuracy.of_cells(), layers=self.layers, sparkles=self.sparkles
             )
         self._heights[at] = _Height(view, swept, partial(self._rays, view))
         while len(self._heights) > CACHED_HEIGHTS:

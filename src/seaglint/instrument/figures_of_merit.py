@@ -195,10 +195,7 @@ def point_share(model: SensorModel, rates: tuple[float, float] = (0.0, 0.0)) -> 
 
 
 def figures(
-    model: SensorModel,
-    scene_radiance: float | None = None,
-    rates: tuple[float, float] = (0.0, 0.0),
-    frequencies: Sequence[float] = (),
+    model: SensorModel, scene_radiance: float | None = None, rates: tuple[float, float] = (0.0, 0.0), frequencies: Sequence[float] = ()
 ) -> SensorDataSheet:
     """Return all figures of merit of a sensor.
 

@@ -105,13 +105,7 @@ def neighbours(shape: Sequence[int], reach: Sequence[int] = REACH) -> tuple[tupl
 
 
 def fit_texture(
-    data: ArrayLike,
-    tails: Tails = "gaussian",
-    *,
-    reach: Sequence[int] = REACH,
-    product: bool | None = None,
-    most: int = 16,
-    seed: int = 0,
+    data: ArrayLike, tails: Tails = "gaussian", *, reach: Sequence[int] = REACH, product: bool | None = None, most: int = 16, seed: int = 0
 ) -> TextureFit:
     """Fit a texture to a picture or sequence that is not periodic.
 

@@ -32,11 +32,7 @@ OXYGEN: Final = 0.209  #: Oxygen of dry air [1 of the volume].
 #: Amounts of nitrogen and oxygen by number, and the bands [cm-1] in which RRTMGP's tables hold their absorption.
 OF_AIR: Final = {4: (2390.0, 2680.0), 63: (1480.0, 1800.0), 1: (1480.0, 1800.0), 2: (1480.0, 1800.0)}
 
-_LIMITS: Final = {
-    "temperature_k": (150.0, 400.0, "K"),
-    "pressure_hpa": (0.01, 1100.0, "hPa"),
-    "length_km": (0.0, 10_000.0, "km"),
-}
+_LIMITS: Final = {"temperature_k": (150.0, 400.0, "K"), "pressure_hpa": (0.01, 1100.0, "hPa"), "length_km": (0.0, 10_000.0, "km")}
 
 
 @dataclass(frozen=True, eq=False)

@@ -140,13 +140,7 @@ class ScatteringAir:
 
     @classmethod
     def assembled(
-        cls,
-        spectral: SpectralLaws,
-        levels: AirLevels,
-        aerosol: AerosolLaws,
-        source: FloatArray,
-        grid: LayerGrid,
-        finest: float = 0.0,
+        cls, spectral: SpectralLaws, levels: AirLevels, aerosol: AerosolLaws, source: FloatArray, grid: LayerGrid, finest: float = 0.0
     ) -> ScatteringAir:
         """Assemble the air as :meth:`of`, with a given result of :func:`grid_of`.
 

@@ -78,12 +78,7 @@ class Line(NamedTuple):
 
 @kernel
 def add_rows(
-    image: np.ndarray,
-    rows: Rows,
-    edges: tuple[float, float],
-    weight: float,
-    light: np.ndarray,
-    lean: tuple[float, float, float, float],
+    image: np.ndarray, rows: Rows, edges: tuple[float, float], weight: float, light: np.ndarray, lean: tuple[float, float, float, float]
 ) -> None:
     """Add a piece to the rows between the elevations ``edges = (low, high)``, in proportion to the overlap.
 

@@ -448,11 +448,7 @@ def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: tupl
 
 
 def _point(
-    stage: Stage,
-    one: Placed,
-    around: tuple[BodySurroundings, list[Faces]],
-    box: tuple[float, float, float, float],
-    arriving: Arriving,
+    stage: Stage, one: Placed, around: tuple[BodySurroundings, list[Faces]], box: tuple[float, float, float, float], arriving: Arriving
 ) -> PixelPatch | None:
     """Draw a point source: its visibility and the transmittance of its path; None for a point outside the pixels to draw."""
     scene, solids = around

@@ -21,16 +21,7 @@ from seaglint.objects.drawing.crests import STEEP, Crests, Span, calm, walk_cres
 from seaglint.objects.drawing.eye import Grid, Lens, strips
 from seaglint.objects.drawing.light import Arriving
 from seaglint.objects.drawing.raster import Faces, Samples, SunMap, lay_samples, meet, outline, sun_map, whole_solid_angle
-from seaglint.objects.drawing.sample_sums import (
-    PLANES,
-    SUMS,
-    BodySurroundings,
-    SensorMesh,
-    Window,
-    clear_to,
-    shade_gas,
-    shade_solid,
-)
+from seaglint.objects.drawing.sample_sums import PLANES, SUMS, BodySurroundings, SensorMesh, Window, clear_to, shade_gas, shade_solid
 
 LINES_PER_WAVE = 4.0  #: Number of azimuth lines across the shortest wave in the picture at a body.
 

@@ -171,10 +171,7 @@ def clear_to(scene: BodySurroundings, distance: float) -> float:
 @kernel
 def _between(corner: np.ndarray, arc: float, height: float) -> tuple[float, float]:
     """Return the coordinates of a point between the corners of :class:`Arriving`, each in 0..1."""
-    return (
-        min(max((arc - corner[0]) * corner[1], 0.0), 1.0),
-        min(max((height - corner[2]) * corner[3], 0.0), 1.0),
-    )
+    return (min(max((arc - corner[0]) * corner[1], 0.0), 1.0), min(max((height - corner[2]) * corner[3], 0.0), 1.0))
 
 
 @kernel

@@ -55,11 +55,7 @@ class _Pixels:
 
 
 def labels(
-    sights: tuple[BodySight, ...],
-    sea: NDArray[Any],
-    kelvin: Callable[[float], float],
-    *,
-    around: bool = False,
+    sights: tuple[BodySight, ...], sea: NDArray[Any], kelvin: Callable[[float], float], *, around: bool = False
 ) -> tuple[Mapping[str, FloatArray], list[NDArray[np.bool_]], NDArray[np.uint16]]:
     """Return numbers and masks of bodies in an image, and the number of the body in each pixel.
 
@@ -154,11 +150,7 @@ def _columns(touched: NDArray[np.int64], width: int, around: bool) -> tuple[int,
 
 
 def _numbers(
-    sight: BodySight,
-    box: _Pixels | None,
-    sea: FloatArray,
-    covered: NDArray[np.bool_],
-    kelvin: Callable[[float], float],
+    sight: BodySight, box: _Pixels | None, sea: FloatArray, covered: NDArray[np.bool_], kelvin: Callable[[float], float]
 ) -> dict[str, float]:
     """Return the ground-truth numbers of one body; NaN for unknown ones."""
     row = dict.fromkeys(NUMBERS, math.nan)

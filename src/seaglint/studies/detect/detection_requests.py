@@ -272,8 +272,7 @@ class CasesRequest(DetectorRequest):
     ] = None
     cases: Annotated[Path | None, Parameter("a case a row, keys as headings", "Scenes", metavar="F.csv")] = None
     sensor: Annotated[
-        str | None,
-        Parameter("sensor of a data sheet instead of the scenario's: 'seaglint sensor --presets' lists them", "Scenes"),
+        str | None, Parameter("sensor of a data sheet instead of the scenario's: 'seaglint sensor --presets' lists them", "Scenes")
     ] = None
 
     @property

@@ -297,12 +297,7 @@ def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: f
 
 
 def tried_at(
-    scenario: Scenario,
-    request: RangeRequest,
-    range_m: float,
-    bearing: float | None,
-    parts: Parts,
-    names: Sequence[str] = TRIED,
+    scenario: Scenario, request: RangeRequest, range_m: float, bearing: float | None, parts: Parts, names: Sequence[str] = TRIED
 ) -> list[TriedDetector]:
     """Return the margins of contrast of some detectors at one range; the frames stay stored for its P_d.
 

@@ -36,11 +36,7 @@ class StudyCase:
 
 
 def cases_of(
-    source: Path | Scenario,
-    *,
-    vary: Sequence[str] | Mapping[str, Sequence[Any]] = (),
-    table: Path | None = None,
-    sensor: str | None = None,
+    source: Path | Scenario, *, vary: Sequence[str] | Mapping[str, Sequence[Any]] = (), table: Path | None = None, sensor: str | None = None
 ) -> list[StudyCase]:
     """Return all cases of a scenario; the unchanged scenario is a single case.
 

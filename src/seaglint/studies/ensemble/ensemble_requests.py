@@ -20,8 +20,7 @@ class ScenesRequest(WorkRequest):
     """Parameters of the rendering of many scenes."""
 
     threads: Annotated[
-        int | None,
-        Parameter("processor threads of each process; default: all", "Run", least=1, detail="The bytes do not depend on them."),
+        int | None, Parameter("processor threads of each process; default: all", "Run", least=1, detail="The bytes do not depend on them.")
     ] = None
 
 

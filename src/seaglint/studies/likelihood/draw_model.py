@@ -297,11 +297,7 @@ def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[f
     law = scenario.sea.slopes
     if isinstance(law, SpectrumSlopes | FlatSlopes):
         top = WIND_PROFILE[1] if isinstance(law, FlatSlopes) else NAVY_AEROSOL_WIND[1]
-        if isinstance(law, SpectrumSlopes) and scenario.sea.spectrum.kind not in (
-            "elfouhaily",
-            "pierson-moskowitz",
-            "jonswap",
-        ):
+        if isinstance(law, SpectrumSlopes) and scenario.sea.spectrum.kind not in ("elfouhaily", "pierson-moskowitz", "jonswap"):
             raise ScenarioError(
                 f"sea.slopes.kind = 'spectrum' with sea.spectrum.kind = '{scenario.sea.spectrum.kind}': its waves do not follow "
                 "the weather's wind; choose a spectrum that does ('elfouhaily'), or slopes by wind"

@@ -22,14 +22,7 @@ from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, 
 from seaglint.climate.draws import Estimate, SamplingPlan, estimate, strata
 from seaglint.climate.exceeding_azimuths import azimuth_shares
 from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes
-from seaglint.climate.likelihood_summary import (
-    DrawnWeather,
-    ExceededContrast,
-    LikelihoodSummary,
-    StratumChance,
-    SunUp,
-    ThresholdChance,
-)
+from seaglint.climate.likelihood_summary import DrawnWeather, ExceededContrast, LikelihoodSummary, StratumChance, SunUp, ThresholdChance
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.model import Scenario
 from seaglint.studies.build import scenario_physics
@@ -187,12 +180,7 @@ def likelihood(
     )
     tell(3, 3)
     return GlintLikelihood(
-        model=model,
-        draws=drawn,
-        thresholds=model.settings.threshold_w_m2_sr,
-        estimates=estimates,
-        strata=by_threshold,
-        values=values,
+        model=model, draws=drawn, thresholds=model.settings.threshold_w_m2_sr, estimates=estimates, strata=by_threshold, values=values
     )
 
 
@@ -383,10 +371,7 @@ def _solar_hour(where: Conditions) -> FloatArray:
 
 def _classes(model: LikelihoodModel, drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Return the quantities by which results are classified, with the edges of their classes."""
-    classes = {
-        "wind_speed_m_s": (drawn.wind, by.WINDS),
-        "sun_elevation_deg": (90.0 - np.degrees(drawn.solar_zenith), by.SUNS),
-    }
+    classes = {"wind_speed_m_s": (drawn.wind, by.WINDS), "sun_elevation_deg": (90.0 - np.degrees(drawn.solar_zenith), by.SUNS)}
     if model.when is not None:
         classes |= {
             "month": (months_of(drawn.where.time).astype(np.float64), np.arange(1.0, 14.0)),
