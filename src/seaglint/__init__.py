@@ -3,46 +3,15 @@
 ``import seaglint as sg`` costs nothing; what a name below needs is imported when it is used first. :mod:`seaglint.api` says what each does.
 """
 
+# ruff: noqa: F405 - the names of __all__ come from seaglint.api, which is imported when the first of them is used.
+
 from __future__ import annotations
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from seaglint.api import (
-        analyze,
-        apparent_temperature,
-        atmosphere,
-        compare,
-        compare_spectrum,
-        dataset,
-        detect,
-        detect_design,
-        detect_range,
-        detect_recording,
-        detect_scene,
-        ensemble,
-        evaluate,
-        export,
-        export_sea,
-        frames,
-        homogeneous_path,
-        image,
-        info,
-        init,
-        labels,
-        likelihood,
-        load,
-        mean,
-        render,
-        reproduce,
-        schema,
-        sense,
-        sensor,
-        sweep,
-        texture,
-        weather,
-    )
+    from seaglint.api import *  # noqa: F403
     from seaglint.version import __version__
 
 __all__ = [

@@ -65,8 +65,7 @@ def atmosphere(
     """
     from seaglint.studies.mean.evaluate_cases import evaluate_atmosphere
 
-    compute = partial(evaluate_atmosphere, bands=_bands(bands), levels=levels)
-    return _evaluated(cases, compute, extrapolate, output, overwrite, progress)
+    return _evaluated(cases, partial(evaluate_atmosphere, bands=_bands(bands), levels=levels), extrapolate, output, overwrite, progress)
 
 
 @documented(EvaluationRequest)
@@ -208,8 +207,7 @@ def scattered(
     """
     from seaglint.studies.mean.evaluate_cases import evaluate_scattered
 
-    compute = partial(evaluate_scattered, bands=_bands(bands), levels=levels)
-    return _evaluated(cases, compute, extrapolate, output, overwrite, progress)
+    return _evaluated(cases, partial(evaluate_scattered, bands=_bands(bands), levels=levels), extrapolate, output, overwrite, progress)
 
 
 def _bands(bands: Sequence[str | tuple[float, float]]) -> Any:

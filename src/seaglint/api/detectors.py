@@ -5,11 +5,11 @@ Each has the parameters of its request in its own signature, so that an editor s
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from seaglint.api.inputs_and_results import ResultRecord, recording_of, request_of, scenario_of, team_of
+from seaglint.api.inputs_and_results import ResultRecord, arguments_of, recording_of, request_of, scenario_of, team_of
 from seaglint.base.parameters import documented
 from seaglint.base.reports import absent_numbers
 from seaglint.studies.detect.detection_requests import DesignRequest, RangeRequest, RecordingRequest, SceneRequest
@@ -185,14 +185,11 @@ def detect(
     """
     from seaglint.scenario.model import Scenario
 
-    given = dict(locals())
-    if not isinstance(source, Scenario) and not (isinstance(source, str | Path) and Path(source).suffix.lower() == ".toml"):
-        # Parameters that the other function has, by its signature.
-        names = set(detect_recording.__kwdefaults__ or {}) & set(given)
-        return detect_recording(source, **{name: given[name] for name in names})
-    function = detect_design if design or p_fa is not None else detect_scene
-    names = set(function.__kwdefaults__ or {}) & set(given)
-    return function(source, **{name: given[name] for name in names})
+    function: Callable[..., ResultRecord] = detect_recording
+    if isinstance(source, Scenario) or (isinstance(source, str | Path) and Path(source).suffix.lower() == ".toml"):
+        function = detect_design if design or p_fa is not None else detect_scene
+    # Parameters that the other function has, by its signature.
+    return function(**arguments_of(function, locals()))
 
 
 @documented(SceneRequest)
@@ -257,8 +254,7 @@ def detect_scene(
     >>> import seaglint as sg
     >>> sg.detect_scene("my.toml", contrast=[0.01, 0.1], frames=8)  # doctest: +SKIP
     """
-    request = request_of(SceneRequest, locals(), **_of_scene(locals()))
-    return _study(source, request, vary, cases, workers, progress)
+    return _study(source, request_of(SceneRequest, locals(), **_of_scene(locals())), vary, cases, workers, progress)
 
 
 @documented(DesignRequest)
@@ -328,8 +324,7 @@ def detect_design(
     >>> import seaglint as sg
     >>> sg.detect_design("my.toml", frames=16)["design"]["contrast"]  # doctest: +SKIP
     """
-    request = request_of(DesignRequest, locals(), **_of_scene(locals()))
-    return _study(source, request, vary, cases, workers, progress)
+    return _study(source, request_of(DesignRequest, locals(), **_of_scene(locals())), vary, cases, workers, progress)
 
 
 @documented(RangeRequest)

@@ -10,16 +10,15 @@ import inspect
 import reprlib
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+from seaglint.base.errors import DataError
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from seaglint.analysis import Recording
@@ -76,8 +75,6 @@ def arguments_of(function: Callable[..., Any], values: Mapping[str, Any], **othe
 
 def recording_of(given: Any, reading: ReadingRequest) -> Recording:
     """Return the recording to analyse, from a file or from memory, read as requested."""
-    from dataclasses import replace
-
     import numpy as np
     import xarray as xr
 
@@ -137,7 +134,6 @@ def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.Data
 
 def band_of(attributes: Mapping[Any, Any]) -> Band:
     """Return the spectral band that the attributes of a file state."""
-    from seaglint.base.errors import DataError
     from seaglint.store.provenance import stored_band
 
     try:
@@ -209,8 +205,6 @@ class ResultRecord(dict[str, Any]):
             A result that has no picture.
         """
         if self._draw is None:
-            from seaglint.base.errors import DataError
-
             raise DataError(f"the {self._title} has no picture; its numbers are in as_dict()")
         return self._draw()
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, NotRequired, TypedDict, Unpack, overload
 
 from seaglint.air.profile.band_laws import Spectroscopy
 from seaglint.base.parameters import documented
@@ -165,58 +165,38 @@ def compare_spectrum(
     >>> result.resolution_cm, len(result.bands)
     (20.0, 1)
     """
-    from seaglint.api.inputs_and_results import scenario_of
+    from seaglint.api.inputs_and_results import arguments_of, scenario_of
     from seaglint.studies.measured.compare_spectrum import compare_spectrum as compared
 
-    return compared(
-        spectrum,
-        scenario_of(scenario),
-        resolution_cm=resolution_cm,
-        zenith_deg=zenith_deg,
-        depression_deg=depression_deg,
-        spectroscopy=spectroscopy,
-    )
+    return compared(**arguments_of(compared, locals(), scenario=scenario_of(scenario)))
 
 
 compare = compare_spectrum
 
 
-@overload
-def homogeneous_path(
-    *,
-    temperature_k: float,
-    pressure_hpa: float,
-    vapour_pressure_hpa: float,
-    length_km: float,
-    band_um: tuple[float, float],
-    co2_ppmv: float = ...,
-    o3_ppmv: float = ...,
-    n2o_ppmv: float = ...,
-    co_ppmv: float = ...,
-    ch4_ppmv: float = ...,
-    spectroscopy: Spectroscopy = ...,
-    haze: str = ...,
-    return_spectrum: Literal[False] = ...,
-) -> float: ...
+class EvenAir(TypedDict):
+    """Parameters of :func:`homogeneous_path` besides the kind of its result."""
+
+    temperature_k: float
+    pressure_hpa: float
+    vapour_pressure_hpa: float
+    length_km: float
+    band_um: tuple[float, float]
+    co2_ppmv: NotRequired[float]
+    o3_ppmv: NotRequired[float]
+    n2o_ppmv: NotRequired[float]
+    co_ppmv: NotRequired[float]
+    ch4_ppmv: NotRequired[float]
+    spectroscopy: NotRequired[Spectroscopy]
+    haze: NotRequired[str]
 
 
 @overload
-def homogeneous_path(
-    *,
-    temperature_k: float,
-    pressure_hpa: float,
-    vapour_pressure_hpa: float,
-    length_km: float,
-    band_um: tuple[float, float],
-    co2_ppmv: float = ...,
-    o3_ppmv: float = ...,
-    n2o_ppmv: float = ...,
-    co_ppmv: float = ...,
-    ch4_ppmv: float = ...,
-    spectroscopy: Spectroscopy = ...,
-    haze: str = ...,
-    return_spectrum: Literal[True],
-) -> tuple[float, xr.DataArray]: ...
+def homogeneous_path(*, return_spectrum: Literal[False] = ..., **air: Unpack[EvenAir]) -> float: ...
+
+
+@overload
+def homogeneous_path(*, return_spectrum: Literal[True], **air: Unpack[EvenAir]) -> tuple[float, xr.DataArray]: ...
 
 
 def homogeneous_path(
@@ -283,17 +263,10 @@ def homogeneous_path(
     """
     from seaglint.air.profile.hazes import HazeWeather
     from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
+    from seaglint.api.inputs_and_results import arguments_of
 
-    spectrum = homogeneous_spectrum(
-        temperature_k=temperature_k,
-        pressure_hpa=pressure_hpa,
-        vapour_pressure_hpa=vapour_pressure_hpa,
-        length_km=length_km,
-        band_um=band_um,
-        ppmv={"CO2": co2_ppmv, "O3": o3_ppmv, "N2O": n2o_ppmv, "CO": co_ppmv, "CH4": ch4_ppmv},
-        spectroscopy=spectroscopy,
-        haze=HazeWeather(haze),
-    )
+    gases = {"CO2": co2_ppmv, "O3": o3_ppmv, "N2O": n2o_ppmv, "CO": co_ppmv, "CH4": ch4_ppmv}
+    spectrum = homogeneous_spectrum(**arguments_of(homogeneous_spectrum, locals(), ppmv=gases, haze=HazeWeather(haze)))
     if not return_spectrum:
         return spectrum.mean
     import xarray as xr

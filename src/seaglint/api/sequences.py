@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from seaglint.api.inputs_and_results import ResultRecord, arguments_of, recording_of, request_of, scenario_of, team_of, with_band
+from seaglint.base.errors import DataError
 from seaglint.base.free_form import TableRow
 from seaglint.base.parameters import documented
 from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
@@ -206,7 +207,6 @@ def sense(
     """
     import xarray as xr
 
-    from seaglint.base.errors import DataError
     from seaglint.formats.recording.labelled_arrays import Source, source_of
     from seaglint.store.writers import Share
     from seaglint.studies.sequence.sense import Reopen, prepare_sense, sensed_dataset
@@ -388,7 +388,6 @@ def dataset(
     >>> sg.dataset("small-objects.toml", "small", workers=2)  # doctest: +SKIP
     PosixPath('small')
     """
-    from seaglint.base.errors import DataError
     from seaglint.formats.dataset.dataset_writing import problems
     from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from seaglint.api.inputs_and_results import ResultRecord, recording_of, request_of, scenario_of
+from seaglint.base.errors import DataError
 from seaglint.base.parameters import documented
 from seaglint.studies.study_requests import CompareRequest, FitRequest, PlaceRequest, ReadingRequest, SampleRequest
 
@@ -122,7 +123,6 @@ def fit(
     >>> sg.texture.sample(texture, size=(32, 16)).texture.shape
     (1, 16, 32)
     """
-    from seaglint.base.errors import DataError
     from seaglint.store.outputs import refuse_existing
     from seaglint.store.texture_file import check_name
     from seaglint.studies.texture.texture_sequences import fit as fitted
@@ -229,9 +229,6 @@ def compare(
     >>> sg.texture.compare(frames[0], frames[1])["fails"]
     []
     """
-    from dataclasses import asdict
-
-    from seaglint.base.errors import DataError
     from seaglint.studies.texture.texture_sequences import compare_textures
 
     if len(regions) > 2:
@@ -299,8 +296,7 @@ def place(
 
     loaded, stored = scenario_of(scenario), _stored(model)
     check_output(output, overwrite=overwrite)
-    numbers = range(loaded.sensor.frames) if frames is None else frames
-    request = replace(request_of(PlaceRequest, locals()), frames=numbers)
+    request = request_of(PlaceRequest, locals(), frames=range(loaded.sensor.frames) if frames is None else frames)
     return with_band(open_sequence(placed(stored, loaded, output, request, progress=progress)))
 
 

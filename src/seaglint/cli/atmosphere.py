@@ -300,12 +300,10 @@ def _write_table(result: xr.Dataset, output: Path | None, overwrite: bool) -> No
     if output.suffix.lower() == ".csv":
         from seaglint.formats.tables.table_text import write_columns
 
-        spectra = set(result.dims) == {"wavenumber_cm"}
-        numbers = (
-            result[["spectral_transmittance"]].rename(spectral_transmittance="transmittance")
-            if spectra
-            else result.drop_dims("wavenumber_cm")
-        )
+        if set(result.dims) == {"wavenumber_cm"}:
+            numbers = result[["spectral_transmittance"]].rename(spectral_transmittance="transmittance")
+        else:
+            numbers = result.drop_dims("wavenumber_cm")
         frame = numbers.to_dataframe().reset_index()
         write_columns({str(name): column.to_numpy() for name, column in frame.items()}, output, overwrite=overwrite)
     else:

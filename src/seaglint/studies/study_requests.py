@@ -9,7 +9,7 @@ Importing this module loads nothing else, because help pages need it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple, get_args
 
@@ -86,17 +86,7 @@ class ReadingRequest:
         """Return the recording of a file, read with these parameters."""
         from seaglint.formats.recording import open_recording
 
-        return open_recording(
-            path,
-            frame_rate=self.frame_rate,
-            units=self.units,
-            raw=self.raw,
-            variable=self.variable,
-            channel=self.channel,
-            axes=self.axes,
-            saturation=self.saturation,
-            missing=self.missing,
-        )
+        return open_recording(path, **{field.name: getattr(self, field.name) for field in fields(ReadingRequest)})
 
 
 @dataclass(frozen=True)
@@ -180,8 +170,6 @@ class AnalysisRequest(ReadingRequest):
         DataError
             An unknown name, or a filter without its target.
         """
-        from dataclasses import fields
-
         import numpy as np
 
         from seaglint.analysis import AnalysisOptions

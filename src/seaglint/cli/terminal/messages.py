@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import typer
 
-from seaglint.base.errors import DomainError, Mistake, ScenarioError
+from seaglint.base.errors import DataError, DomainError, Mistake, ScenarioError
 
 if TYPE_CHECKING:
     from seaglint.analysis.recording import Recording
@@ -157,11 +157,8 @@ def files_read(path: Path, scenario: Scenario) -> list[Path]:
     def named(value: Any) -> Iterator[Path]:
         if isinstance(value, Path):
             yield value
-        elif isinstance(value, Mapping):
-            for inner in value.values():
-                yield from named(inner)
-        elif isinstance(value, tuple):
-            for inner in value:
+        elif isinstance(value, Mapping | tuple):
+            for inner in value.values() if isinstance(value, Mapping) else value:
                 yield from named(inner)
 
     return [path, *named(scenario.model_dump())]
@@ -222,8 +219,6 @@ def contrasts_of(text: str, option: str = "--contrast") -> tuple[float, ...]:
         The text has another form, or gives too many numbers.
     """
     import numpy as np
-
-    from seaglint.base.errors import DataError
 
     wrong = DataError(f"{option} {text}: give a number, several as 1,2,4, or FIRST:LAST:STEP as 1:8:0.5, at most {MOST_CONTRASTS}")
     try:

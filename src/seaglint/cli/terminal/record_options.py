@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from functools import partial, wraps
 from pathlib import Path
@@ -24,7 +24,7 @@ from seaglint.base.parameters import GROUPS, Parameter, described
 from seaglint.cli.terminal.messages import contrasts_of, log
 from seaglint.cli.terminal.options import place_given, two_numbers
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.studies.study_requests import WorkRequest
+from seaglint.studies.study_requests import WeightsFile, WorkRequest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -123,11 +123,7 @@ def takes_records(*, order: str = "") -> Callable[[Callable[..., None]], Callabl
     Fields of one name in several records are one option, with the help of the first record, and its value goes to all of them. A help page
     lists the names in ``order`` first.
     """
-
-    def decorate(command: Callable[..., None]) -> Callable[..., None]:
-        return _with_options(command, order.split())
-
-    return decorate
+    return partial(_with_options, first=order.split())
 
 
 def _with_options(command: Callable[..., None], first: Sequence[str]) -> Callable[..., None]:
@@ -212,20 +208,6 @@ def _commas(values: Sequence[float]) -> str:
     return ",".join(f"{value:g}" for value in values)
 
 
-def _weights(path: Path, option: str) -> Any:
-    """Return the numbers of a small CSV or NumPy file, with its path."""
-    from seaglint.studies.study_requests import WeightsFile
-
-    return WeightsFile(path, weights(path))
-
-
-def _mask(path: Path, option: str) -> Any:
-    """Return the mask of an image or a NumPy file, with its path."""
-    from seaglint.studies.study_requests import WeightsFile
-
-    return WeightsFile(path, partial(read_mask, path))
-
-
 def _shares(text: str, option: str) -> tuple[float, float]:
     """Return the ends of a part of the height from FIRST:LAST [1]."""
     first, colon, last = text.partition(":")
@@ -254,8 +236,8 @@ READERS: Final[Mapping[str, Callable[[Any, str], Any]]] = {
     "size": _size,
     "limits": two_numbers(":", "NEAR:FAR in metres, e.g. 500:40000"),
     "shares": _shares,
-    "weights": _weights,
-    "mask": _mask,
+    "weights": lambda path, _: WeightsFile(path, weights(path)),
+    "mask": lambda path, _: WeightsFile(path, partial(read_mask, path)),
     "raw": lambda text, _: raw_layout(text),
     "switch": lambda text, _: SWITCH[text],
 }
@@ -274,8 +256,9 @@ WRITTEN: Final[Mapping[str, Callable[[Any], str]]] = {
 }
 
 
-@contextmanager
-def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, threads: int | None = None) -> Iterator[Workers | None]:
+def chosen(
+    workers: int | None, dask: str | None, dask_slurm: Path | None, *, threads: int | None = None
+) -> AbstractContextManager[Workers | None]:
     """Provide the requested workers; None where this process works alone. ``threads`` is the number for each local process.
 
     Raises
@@ -293,20 +276,16 @@ def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, th
     if workers is not None:
         from seaglint.cluster.local import LocalProcesses
 
-        with LocalProcesses(workers, threads=threads) as processes:
-            yield processes
-    elif dask is not None:
+        return LocalProcesses(workers, threads=threads)
+    if dask is not None:
         from seaglint.cluster.dask import connected
 
-        with connected(dask, log) as cluster:
-            yield cluster
-    elif dask_slurm is not None:
+        return connected(dask, log)
+    if dask_slurm is not None:
         from seaglint.cluster.dask import queued
 
-        with queued(dask_slurm, log) as cluster:
-            yield cluster
-    else:
-        yield None
+        return queued(dask_slurm, log)
+    return nullcontext()
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ from seaglint.instrument.figures_of_merit import blur_px as beyond_pixel
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.studies.article.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS, ignore_progress
+from seaglint.studies.article.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS, ignore_progress, reported
 from seaglint.studies.article.headline import ArticleRow, SensedRow
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.sensor_model import sensor_model
@@ -136,12 +136,7 @@ def scene(
 
 def sequence(scene: Scene, times: FloatArray, report: Progress = ignore_progress) -> NDArray[np.float32]:
     """Return the radiance of a standing sensor at times [s, (frames,)], (frames, rows, columns) [W m-2 sr-1]."""
-    images = []
-    report(0, times.size)
-    for time in times.tolist():
-        images.append(image(scene, scene.pose, time).radiance)
-        report(len(images), times.size)
-    return np.stack(images)
+    return np.stack([image(scene, scene.pose, time).radiance for _, time in reported(times.tolist(), report)])
 
 
 def corridor(view: SeaView, camera: Camera) -> NDArray[np.bool_]:
