@@ -165,8 +165,8 @@ def test_a_function_takes_what_its_request_describes(name: str) -> None:
     assert shared >= set(NAMED[name])
 
 
-def test_a_scene_is_judged_alike_where_nothing_is_said_and_where_the_defaults_are() -> None:
-    assert SceneRequest("my.toml").scene_options() == SceneRequest("my.toml", **RESOLVED["detect"]).scene_options()
+def test_a_scene_is_judged_alike_with_and_without_the_defaults() -> None:
+    assert SceneRequest("my.toml").settings == SceneRequest("my.toml", **RESOLVED["detect"]).settings
 
 
 def test_documentation_lists_the_formats_that_there_are() -> None:

@@ -244,7 +244,7 @@ def test_an_install_from_an_index_is_found(text: str, wrong: bool) -> None:
 
 def test_no_text_installs_seaglint_from_an_index() -> None:
     """Until its first release no index has it: whoever registers the name there would have users install another program."""
-    assert len(WRITTEN) > 700
+    assert len(WRITTEN) > 500
     wrong = [f"{path.relative_to(ROOT)}: {found[0]!r}" for path in WRITTEN for found in FOREIGN.finditer(path.read_text(encoding="utf-8"))]
     assert wrong == [], "name the checkout, pip install '.[viewer]', or the missing package itself, until a release is in an index"
 

@@ -28,7 +28,7 @@ def test_shares_then_finish_are_the_run_in_one_go(seaglint, scenario, tmp_path):
     assert last.code == 0
     assert f"next: seaglint render --finish {store}" in last.err
     ended = seaglint("render", "--finish", store)
-    assert (ended.code, "all there" in ended.err) == (0, True)
+    assert (ended.code, "frames, all complete" in ended.err) == (0, True)
     assert files(store) == files(tmp_path / "a.zarr")
     for again in (("render", "--finish", store), ("render", scenario, "-o", store, "--shard", "0/2", "--progress", "none")):
         answer = seaglint(*again)
@@ -45,7 +45,7 @@ def test_finish_with_a_scenario_refuses_another(seaglint, scenario, tmp_path):
         assert (answer.code, "was made with another seed;" in answer.err) == (2, True), answer.err
     scenario.write_text(text)
     answer = seaglint("render", scenario, "-o", store, "--finish")
-    assert (answer.code, "4 frames, all there" in answer.err, store.is_dir()) == (0, True, True)
+    assert (answer.code, "4 frames, all complete" in answer.err, store.is_dir()) == (0, True, True)
 
 
 def test_finish_with_a_scenario_names_the_frames_that_are_missing(seaglint, scenario, tmp_path):

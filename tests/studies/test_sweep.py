@@ -237,7 +237,7 @@ def test_cases_that_share_their_air_follow_each_other():
 def test_what_a_key_does_not_touch_is_made_once(monkeypatch):
     made = []
     standing = scenario_physics.standing_view
-    monkeypatch.setattr(case_results.prepare, "standing_view", lambda *given: made.append(given) or standing(*given))
+    monkeypatch.setattr(scenario_physics, "standing_view", lambda *given: made.append(given) or standing(*given))
     case_results._CACHED_VIEWS.clear()
     sg.sweep(
         {"band": {"min_um": 8.0, "max_um": 12.0}},

@@ -88,7 +88,7 @@ class _Piece:
 
     @staticmethod
     def coordinate(elevation: FloatArray, low: float, high: float) -> FloatArray:
-        """Coordinate of elevation: below the horizontal between grazing rays, above it as in the tables."""
+        """Return the coordinate of elevation [1]: below the horizontal between grazing rays, above it as in the tables."""
         if high <= 0.0:
             return grazing_coordinate((elevation - low) / (high - low))
         return elevation_coordinate(np.maximum(elevation, 0.0), 0.0) if low >= 0.0 else np.arcsinh(elevation / ELEVATION_SCALE)

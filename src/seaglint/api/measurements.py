@@ -131,7 +131,7 @@ def compare_spectrum(
     depression_deg: float | None = None,
     spectroscopy: Literal["lblrtm", "lowtran7"] | None = None,
 ) -> SpectrumComparison:
-    """Compare a measured spectrum with that of a scenario.
+    """Compare a measured spectrum with a scenario's spectrum.
 
     Parameters
     ----------

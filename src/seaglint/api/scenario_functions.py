@@ -96,7 +96,7 @@ def schema() -> dict[str, Any]:
 
 
 def info(path: str | Path, *, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> ResultRecord:
-    """Say what a file holds and how it was made.
+    """Report the contents of a file and how it was made.
 
     Parameters
     ----------

@@ -108,7 +108,7 @@ def add_sparkles(
 
 
 def planes_of(columns: FloatArray, planes: NDArray[np.int64], kind: DTypeLike) -> NDArray[np.floating]:
-    """Return planes of an image (planes, rows, columns), of a data type, from the channels of its columns (columns, channels, rows)."""
+    """Return planes of an image [unit of the channels, (planes, rows, columns)], of a data type, from the channels of its columns (columns, channels, rows)."""
     out = np.empty((planes.size, columns.shape[2], columns.shape[0]), kind)
     in_threads(lambda part: upright(columns, planes, out, part), -(-out.shape[1] // BLOCK))
     return out
@@ -123,7 +123,10 @@ def pixels_of_rays(
     pixels: NDArray[np.int64],
     samples: NDArray[np.int64],
 ) -> FloatArray:
-    """Return mean channels of some pixels (pixels, channels), from rays; arguments as of :func:`~seaglint.imaging.rays.walk_pixels`."""
+    """Return mean channels of some pixels [units of the layers, (pixels, channels)], from rays.
+
+    Arguments are those of :func:`~seaglint.imaging.rays.walk_pixels`.
+    """
     channels = np.zeros((pixels.size, CHANNELS))
     in_threads(lambda part: walk_pixels(surface, bounds, eye, tables, corner, pixels, samples, channels, part), pixels.size)
     return channels

@@ -176,7 +176,7 @@ class RowShift:
         return np.where(both, 0.5 * (beyond[:-1] + beyond[1:]), 0.0)
 
     def summed(self, light: FloatArray) -> FloatArray:
-        """Return the mean over each row (rows,) of the light added by the pieces between rays (rays - 1,), in its unit."""
+        """Return the mean over each row [unit of the light, (rows,)] of the light added by the pieces between rays (rays - 1,)."""
         row, share = self._pieces
         return np.asarray(np.bincount(row, share * light, self.camera.rows), np.float64)
 

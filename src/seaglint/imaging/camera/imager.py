@@ -292,7 +292,7 @@ def quads(corners: FloatArray, pixels: NDArray[np.int64], cells: SweepGrid, azim
 
 
 def inside(quadrilaterals: Quads, cells: SweepGrid) -> NDArray[np.bool_]:
-    """Return True for each quadrilateral that the cells cover (pixels,)."""
+    """Return True for each quadrilateral that the cells cover [bool, (pixels,)]."""
     rows = (quadrilaterals.sine.max(axis=1) <= cells.edges[0]) & (quadrilaterals.sine.min(axis=1) >= cells.edges[-1])
     if cells.circle:
         return np.asarray(rows)

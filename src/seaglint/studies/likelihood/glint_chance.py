@@ -176,7 +176,7 @@ def likelihood(
     )
     by_threshold = tuple(
         (*strata(v, drawn.plan, classes, t, weight=drawn.weight), *strata(one, drawn.plan, of_looks, t, weight=drawn.weight))
-        for t, v, one in zip(model.wanted.threshold_w_m2_sr, values, one_look, strict=True)
+        for t, v, one in zip(model.settings.threshold_w_m2_sr, values, one_look, strict=True)
     )
     tell(3, 3)
     return GlintLikelihood(
