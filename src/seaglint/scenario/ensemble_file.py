@@ -190,8 +190,7 @@ def parse_ensemble(raw: Mapping[str, Any], *, name: str = "ensemble", folder: Pa
         lines = dict.fromkeys(_described(detail) for detail in error.errors(include_url=False))
         mistakes = tuple(Mistake(key, value, None, text) for key, value, text in lines)
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
-    base = _base(raw.get("base", {}), ensemble.ensemble.sensor, name, folder)
-    ensemble = ensemble.model_copy(update={"base": base})
+    ensemble = ensemble.model_copy(update={"base": _base(raw.get("base", {}), ensemble.ensemble.sensor, name, folder)})
     ensemble._name, ensemble._folder = name, folder
     return ensemble
 

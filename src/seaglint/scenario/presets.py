@@ -42,8 +42,7 @@ def _hull(beam: float, length: float, depth: float, draught: float, bow: float) 
     for sign in (1.0, -1.0):
         # a box whose side runs from the stem to where the bow begins
         aside, ahead = sign * (0.25 * beam + 0.5 * side * bow / reach), 0.5 * (length - bow) + 0.25 * side * beam / reach
-        cut = _box([side, 2.0 * side, 2.0 * depth], [aside, ahead, 0.5 * depth - draught], heading_deg=-sign * turn)
-        cuts.append(cut)
+        cuts.append(_box([side, 2.0 * side, 2.0 * depth], [aside, ahead, 0.5 * depth - draught], heading_deg=-sign * turn))
     return {"kind": "difference", "parts": [_box([beam, length, depth], [0.0, 0.0, 0.5 * depth - draught]), *cuts]}
 
 

@@ -130,8 +130,7 @@ def describe_scenario(path: Path) -> ScenarioFacts:
         ensemble = load_ensemble(path).ensemble
         keys = [str(vary["key"]) for vary in raw.get("vary", [])]
         return ScenarioFacts(str(path), "ensemble", [f"{ensemble.scenes} scenes; drawn for each: {', '.join(keys) or 'the seed alone'}"])
-    scenario = load_scenario(path)
-    return ScenarioFacts(str(path), "scenario", [*camera_lines(scenario.model_dump(mode="json", exclude_none=True))])
+    return ScenarioFacts(str(path), "scenario", [*camera_lines(load_scenario(path).model_dump(mode="json", exclude_none=True))])
 
 
 def camera_lines(scenario: Mapping[str, Any]) -> list[str]:

@@ -178,8 +178,7 @@ def chosen(weights: Sequence[float], uniform: float) -> int:
     """
     # The cumulative sum is not normalised, so the uniform number is scaled to it.
     total = np.cumsum(weights)
-    at = int(np.searchsorted(total, uniform * total[-1], side="right"))
-    return min(at, int(np.flatnonzero(weights)[-1]))
+    return min(int(np.searchsorted(total, uniform * total[-1], side="right")), int(np.flatnonzero(weights)[-1]))
 
 
 def in_unit(value: Number, quantity: Quantity | None) -> float:

@@ -237,8 +237,7 @@ def _motion(scenario: Scenario, item: Object, parts: Sequence[Part], origin: Flo
         return _keyframed(scenario, item, parts, origin)
     course = item.course_deg
     heading = float(np.radians(item.heading_deg if item.heading_deg is not None else course if course is not None else 0.0))
-    place = np.array([*(origin + _place(scenario, item)), _height(item, parts)])
-    start = Placement(place, rotation(heading, *trim))
+    start = Placement(np.array([*(origin + _place(scenario, item)), _height(item, parts)]), rotation(heading, *trim))
     if course is None or item.speed_m_s is None:
         return Rest(start)
     towards = float(np.radians(course))

@@ -325,8 +325,7 @@ def detector_for(source: FrameSource, options: DetectionOptions) -> Detector:
         # Whole frames, as many as give that number of values, evenly spread over the source.
         most = max(int(COVARIANCE_VALUES / (source.rows * source.columns)), 1)
         chosen = np.unique(np.linspace(0, source.frames - 1, min(most, source.frames)).astype(int))
-        frames = np.concatenate([source.read(int(k), int(k) + 1) for k in chosen])
-        return options.filter.apply(frames)
+        return options.filter.apply(np.concatenate([source.read(int(k), int(k) + 1) for k in chosen]))
 
     if ":" in options.detector:
         detector: Detector = IsolatedDetector(options.detector, options.time_limit)
@@ -399,8 +398,7 @@ def chips(performance: Performance, source: FrameSource) -> Chips:
     missed: list[Chip] = []
     contrast = None
     if with_misses:
-        number = min(with_misses, key=lambda k: abs(rates[k] - 0.5))
-        scores = performance.trials.scores[number]
+        scores = performance.trials.scores[min(with_misses, key=lambda k: abs(rates[k] - 0.5))]
         contrast = scores.contrast
         below = np.flatnonzero(~scores.detected(threshold))
         order = below[np.argsort(-scores.score[below], kind="stable")]
@@ -445,8 +443,7 @@ def _with_object(performance: Performance, source: FrameSource, batch: Batch, co
 
 
 def _cut(frame: Frames, row: int, column: int) -> list[list[float | None]]:
-    padded = np.pad(frame, HALF, constant_values=np.nan)
-    part = padded[row : row + 2 * HALF + 1, column : column + 2 * HALF + 1]
+    part = np.pad(frame, HALF, constant_values=np.nan)[row : row + 2 * HALF + 1, column : column + 2 * HALF + 1]
     return [[float(f"{v:.6g}") if np.isfinite(v) else None for v in line] for line in part]
 
 

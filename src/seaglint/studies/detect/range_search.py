@@ -175,8 +175,7 @@ def estimated_p_d(placed: Scenario, target: ObjectSignal, design: Design) -> flo
     statistic = detector(less_row_means(frames[:, first:end]))
     # Rows and columns near the border repeat pixels; a third of the picture remains in any case.
     reach = min(detector.reach, (end - first) // 3, columns // 3)
-    inner = statistic[:, reach : end - first - reach, reach : columns - reach]
-    sigma = float(np.std(inner, dtype=np.float64))
+    sigma = float(np.std(statistic[:, reach : end - first - reach, reach : columns - reach], dtype=np.float64))
     if not sigma > 0.0:
         return 1.0
     rate = design.p_fa
@@ -184,8 +183,7 @@ def estimated_p_d(placed: Scenario, target: ObjectSignal, design: Design) -> flo
         # Each pixel counts as a separate alarm here; a rate near one half has no threshold above the mean.
         rate = min(design.alarms_per_hour / (3600.0 * placed.sensor.frame_rate_hz * rows * columns), 0.4)
     answer = answers(target.shape, detector)
-    shares = target.visible_shares(SEAS, seas)
-    signal = np.multiply.outer(shares, answer) * abs(target.contrast) / sigma
+    signal = np.multiply.outer(target.visible_shares(SEAS, seas), answer) * abs(target.contrast) / sigma
     return float(np.where(signal > 0.0, ndtr(signal + ndtri(rate)), 0.0).mean())
 
 

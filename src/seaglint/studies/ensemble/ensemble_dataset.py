@@ -403,10 +403,9 @@ def ensemble_dataset(
             for scene in drawn
         ]
 
-    plan = DatasetPlan(source.title, ensemble.ensemble.seed, table, ensemble_text(ensemble))
     return make_dataset(
         output,
-        plan,
+        DatasetPlan(source.title, ensemble.ensemble.seed, table, ensemble_text(ensemble)),
         options,
         rendered,
         workers=workers,

@@ -90,8 +90,7 @@ def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, pat
         A scene that cannot be drawn.
     """
     with_objects = [scene.scenario for scene in scenes if scene.scenario.objects]
-    frames = sum(scene.scenario.sensor.frames for scene in scenes)
-    count = min(len(with_objects), frames // SHARE, most)
+    count = min(len(with_objects), sum(scene.scenario.sensor.frames for scene in scenes) // SHARE, most)
     if not count:
         return None
     begin, cached = time.monotonic(), SceneCache()

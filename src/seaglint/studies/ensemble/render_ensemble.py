@@ -305,5 +305,4 @@ def _times(scenario: Scenario, cached: SceneCache) -> tuple[float, float]:
 def _ready(scenario: Scenario, cached: SceneCache) -> tuple[Any, float]:
     """Return the prepared scenario, and the time of its preparation [s]."""
     start = time.perf_counter()
-    run = prepared(scenario, cached)
-    return run, time.perf_counter() - start
+    return prepared(scenario, cached), time.perf_counter() - start

@@ -119,8 +119,7 @@ class GlintLikelihood:
         if self.model.when is None:
             return None
         month = months_of(self.draws.where.time) - 1
-        hour = _solar_hour(self.draws.where).astype(np.int64) % 24
-        cell = month * 24 + hour
+        cell = month * 24 + (_solar_hour(self.draws.where).astype(np.int64) % 24)
         count, total = (np.bincount(cell, each, 288) for each in (self.draws.weight, self.draws.weight * self.values[0]))
         return np.asarray(np.divide(total, count, out=np.full(288, np.nan), where=count > 0.0)).reshape(12, 24)
 

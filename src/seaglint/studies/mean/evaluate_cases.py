@@ -333,8 +333,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     from seaglint.studies.build.profile_air import model_air
 
     cases.require(MEAN_INPUTS)
-    airs = _airs(cases, bands, extrapolate)
-    covered = next(iter(airs[bands[0].label].values()))
+    covered = next(iter(_airs(cases, bands, extrapolate)[bands[0].label].values()))
     wind, height, marks = _wind_and_height(cases, covered, extrapolate, (covered.height_range[0], TOP_OF_AIR))
     depression = _angles(cases, "depression_deg", -90.0, 90.0)
     sun, azimuth = _angles(cases, "solar_zenith_deg", 0.0, 180.0), _angles(cases, "relative_azimuth_deg", -360.0, 360.0)

@@ -146,8 +146,7 @@ def scene_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredR
         table = shipped(scene.name).columns
         nu, measured = table["wavenumber_cm"], 1e-3 * table["radiance_mw_m2_sr_cm"]
         light = {name: scene.spectrum(nu, name) for name in spectroscopies}
-        scene_numbers = _light_rows(scene.title, nu, measured, light, scene.bands_um, scene.reasons)
-        rows += scene_numbers
+        rows += _light_rows(scene.title, nu, measured, light, scene.bands_um, scene.reasons)
         spectra.append(_beside(scene.title, nu, measured, light))
     return rows, spectra
 
@@ -239,8 +238,7 @@ def buoy_spectrum() -> MeasuredSpectrum:
     """Return the spectrum that the program makes of the buoy's energy and four moments."""
     table = shipped("cdip_spectrum").columns
     first = -(table["a1"] + 1j * table["b1"])  # directions come from there, waves travel to the other side
-    second = table["a2"] + 1j * table["b2"]
-    bands = DirectionalMoments(table["frequency_hz"], table["energy_m2_hz"], first, second)
+    bands = DirectionalMoments(table["frequency_hz"], table["energy_m2_hz"], first, table["a2"] + 1j * table["b2"])
     return spectrum_of(bands, WaveChoice(), 0.0, TITLE)[0]
 
 
@@ -272,7 +270,6 @@ def buoy_rows() -> list[MeasuredRow]:
 
 
 def _buoy_row(quantity: str, unit: str, ours: float, measured: float, uncertainty: str, reason: str) -> MeasuredRow:
-    percent = float("nan") if unit == "deg" else 100.0 * (ours / measured - 1.0)
     return MeasuredRow(
         case=TITLE,
         quantity=quantity,
@@ -280,7 +277,7 @@ def _buoy_row(quantity: str, unit: str, ours: float, measured: float, uncertaint
         unit=unit,
         ours=float(ours),
         measured=float(measured),
-        difference_percent=percent,
+        difference_percent=float("nan") if unit == "deg" else 100.0 * (ours / measured - 1.0),
         uncertainty=uncertainty,
         reason=reason,
     )
@@ -432,9 +429,8 @@ def _path_transmittance(name: Spectroscopy, path: dict[str, float]) -> FloatArra
     out = np.empty(len(BANDS_CM))
     for gases, places in _bands_by_gases(ABSENT | BELOW).items():
         nu, parts = _channels(places)
-        air = sums_with(name, without_gases(profile, gases), NO_HAZE, nu)
         # 30 km up a path of 60 km stays within the air of this profile, whatever the Earth's curvature
-        passed = air.between(3e4, 3e4, 1e3 * path["length_km"])[0]
+        passed = sums_with(name, without_gases(profile, gases), NO_HAZE, nu).between(3e4, 3e4, 1e3 * path["length_km"])[0]
         for j, part in zip(places, parts, strict=True):
             weight = _even(nu[part]) * planck_wavenumber(nu[part], kelvin)
             out[j] = passed[part] @ weight / weight.sum()
@@ -484,8 +480,7 @@ class AgainstMeasurements:
         for (case, spectroscopy), group in groupby(self.rows, key=lambda row: (row.case, row.spectroscopy)):
             rows = list(group)
             out.append(f"{case}{f', {spectroscopy}' if spectroscopy else ''}")
-            head = ("", "ours", "measured", "unit", "diff. %", "diff. K", "rms", "uncertainty")
-            out.append(_aligned(head))
+            out.append(_aligned(("", "ours", "measured", "unit", "diff. %", "diff. K", "rms", "uncertainty")))
             for row in rows:
                 numbers = (_number(row.ours, row.unit), _number(row.measured, row.unit), row.unit)
                 rest = (_fixed(row.difference_percent, 1), _fixed(row.difference_k, 2), _size(row.rms, row.unit))

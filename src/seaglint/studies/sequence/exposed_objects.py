@@ -181,8 +181,7 @@ class ExposurePlan:
             for stage in range(count):
                 begin = (stage / count - 0.5) * exposure
                 times, weights = self._times(path, middle, begin, begin + exposure / count)
-                instant = middle + begin + 0.5 * exposure / count
-                out.append(Drawing(number, path, delay, times, weights / count, instant))
+                out.append(Drawing(number, path, delay, times, weights / count, middle + begin + 0.5 * exposure / count))
         return out
 
     def _report(self, path: ImagePath, ends: tuple[float, float], name: str) -> None:
@@ -235,14 +234,12 @@ class ExposurePlan:
         if not front.any():
             return np.zeros(0), np.zeros(0)
         places = places[:, front]
-        steps = np.hypot(*np.diff(places, axis=1))
-        length = float(steps.sum())
+        length = float(np.hypot(*np.diff(places, axis=1)).sum())
         share = 1.0
         if not front.all():
             first, last = coarse[front][[0, -1]]
             share, begin, end = float(last - first) / (end - begin), float(first), float(last)
-        widest = max(self.view.imager.columns, self.view.imager.rows)
-        if length > widest:
+        if length > max(self.view.imager.columns, self.view.imager.rows):
             # A fast part is inside the picture for a short share of the exposure, which a fine search finds.
             dense = np.linspace(begin, end, 65537)
             column, row = path.at(middle + dense)
@@ -273,8 +270,7 @@ class ExposurePlan:
         for drawing in drawings:
             body = self.drawer.parts[drawing.part].body
             if out[body] is None:
-                ends = [self._end(drawing, time, sign * half) for sign in (-1.0, 1.0)]
-                out[body] = Streak.of(drawing.path, *ends)
+                out[body] = Streak.of(drawing.path, *[self._end(drawing, time, sign * half) for sign in (-1.0, 1.0)])
         return tuple(out)
 
     def _end(self, drawing: Drawing, time: float, half: float) -> float:
@@ -467,8 +463,7 @@ class ExposedObjects:
         whole: dict[int, Drawing] = {}
         for drawing in drawings:
             before = whole.get(drawing.part)
-            joined = drawing if before is None else _together(before, drawing)
-            whole[drawing.part] = replace(joined, drawn_at=time)
+            whole[drawing.part] = replace(drawing if before is None else _together(before, drawing), drawn_at=time)
         numbered = ((replace(whole[parts[id(p.placed.part)]], image=n), p) for n, p in enumerate(picture.patches))
         return [(drawing, patch, float(self.fine)) for drawing, patch in numbered if drawing.times.size]
 

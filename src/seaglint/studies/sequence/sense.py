@@ -307,8 +307,7 @@ def sensed_dataset(frames: SensedFrames, layout: Layout) -> xr.Dataset:
 def _require_radiance(model: SensorModel, recording: Recording) -> SensorModel:
     """Return the model, or refuse a recording whose values are no radiances."""
     units = (recording.units or "").strip()
-    wrong = {"K", "kelvin", "degC", "count", "counts", "DN", "1"}
-    if units in wrong:
+    if units in {"K", "kelvin", "degC", "count", "counts", "DN", "1"}:
         raise DataError(
             f"{recording.source}: its values are in '{units}'; a sensor is put on radiance at the aperture, W m-2 sr-1: give another "
             "variable, or convert it"

@@ -166,8 +166,7 @@ class _FinePictures:
         assert self.objects is not None
         if self.lit is None or self.lit[0] != number:
             time = number / self.sequence.layout.frame_rate
-            scene = self.sequence.scene_at(time)
-            self.lit = (number, self.objects.light(scene, time, self(number), self.rates(number)))
+            self.lit = (number, self.objects.light(self.sequence.scene_at(time), time, self(number), self.rates(number)))
         return self.lit[1]
 
     def added(self, number: int) -> NDArray[np.float32] | None:
@@ -279,8 +278,7 @@ def prepare_sensed(
     if sequence.objects is not None:
         objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, pattern, n)
     # Objects are composed into the fine picture only if a written layer needs it; counts add them separately.
-    compose = bool(radiance or derived or scenario.render.layers)
-    drawn = _FinePictures(sequence, pattern, n, objects, rates, compose)
+    drawn = _FinePictures(sequence, pattern, n, objects, rates, bool(radiance or derived or scenario.render.layers))
     sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added, drawn=True)
     fine_layout = sequence.layout
     layout = replace(

@@ -182,8 +182,7 @@ def air_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     if at.azimuth_deg is not None:
         raise DataError(f"at: the air between sea and sensor does not depend on {AZIMUTH}; give {ZENITH} alone with what = 'atmosphere'")
     height = scenario_physics.track(scenario).at(0.0).height
-    zenith = np.radians(np.array(at.zenith_deg))
-    return _air(scenario, height, at.elevations(height), zenith, (ZENITH,), _coordinates(at))
+    return _air(scenario, height, at.elevations(height), np.radians(np.array(at.zenith_deg)), (ZENITH,), _coordinates(at))
 
 
 def air_of_rows(scenario: Scenario) -> CaseResult:

@@ -426,10 +426,9 @@ class CollectedCases:
         """Return the swept keys along which all numbers are the same: the quantity does not depend on them."""
         assert self.first is not None
         numbers = [values[name] for name in self.first.variables if values[name].dtype.kind in "fciu"]
-        names = [key.name for key in self.settings.plan.keys]
         return [
             name
-            for axis, name in enumerate(names)
+            for axis, name in enumerate([key.name for key in self.settings.plan.keys])
             if self.settings.plan.shape[axis] > 1 and numbers and all(_same_along(array, axis) for array in numbers)
         ]
 
@@ -475,8 +474,7 @@ def _dataset(
         **(band or {}),
     )
     if failures:
-        first_failures = "; ".join(list(failures.values())[:_MOST_NAMED])
-        attributes |= {"failed_cases": len(failures), "failures": first_failures}
+        attributes |= {"failed_cases": len(failures), "failures": "; ".join(list(failures.values())[:_MOST_NAMED])}
     dataset = xr.Dataset(data, coords=coords, attrs=plain_attributes(attributes))
     return dataset if callable(settings.what) else labelled(dataset)  # names of a user's function are its own
 

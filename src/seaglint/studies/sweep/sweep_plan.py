@@ -299,8 +299,7 @@ class SweepPlan:
         try:
             return parse_scenario(tables, name=name, base=self.folder)
         except ScenarioError as error:
-            first = str(error).splitlines()[0]
-            raise ScenarioError(first, mistakes=error.mistakes[:1]) from None
+            raise ScenarioError(str(error).splitlines()[0], mistakes=error.mistakes[:1]) from None
 
     def check(self) -> None:
         """Refuse values that no scenario may have before anything is computed: each value of a key with the first values of the others.
@@ -397,8 +396,7 @@ class ViewAngles:
             raise DataError(f"at: {unknown[0]} is unknown; give {ZENITH} and {AZIMUTH}")
         if ZENITH not in given:
             raise DataError(f"at: {ZENITH} is missing; give zenith angles at the sea, 0 to below 90 deg")
-        zenith = _angles(ZENITH, given[ZENITH])
-        return cls(zenith, _angles(AZIMUTH, given[AZIMUTH]) if AZIMUTH in given else None)
+        return cls(_angles(ZENITH, given[ZENITH]), _angles(AZIMUTH, given[AZIMUTH]) if AZIMUTH in given else None)
 
     @property
     def dims(self) -> tuple[str, ...]:
