@@ -13,6 +13,11 @@ Case = Literal["single-look", "trajectory", "field-of-view"]
 MOST_SAMPLES = 2**26  #: Largest number of looks of one run [1]; some 5 GB.
 
 
+_FieldSide = Annotated[float, Quantity("deg", ge=0, le=60)]
+_Height = Annotated[float, Quantity("m", ge=2, le=10_000)]
+_Hour = Annotated[float, Quantity("h", ge=0, le=24)]
+
+
 class Likelihood(Record):
     """How often the mirrored Sun is brighter than thresholds: for the command likelihood."""
 
@@ -30,14 +35,13 @@ class Likelihood(Record):
         about("lowest and highest depression of looks, uniform between, or of the trajectory"),
     ] = (1.5, 6.0)
     azimuth_from_sun_deg: Annotated[tuple[Azimuth, Azimuth], about("azimuths of looks, clockwise from the Sun's")] = (0.0, 360.0)
-    field_deg: Annotated[
-        tuple[Annotated[float, Quantity("deg", ge=0, le=60)], Annotated[float, Quantity("deg", ge=0, le=60)]],
-        about("width and height of the field of view that case = 'field-of-view' adds"),
-    ] = (4.0, 4.0)
-    height_m: Annotated[
-        tuple[Annotated[float, Quantity("m", ge=2, le=10_000)], Annotated[float, Quantity("m", ge=2, le=10_000)]] | None,
-        about("lowest and highest sensor, uniform between; default: sensor.height_m"),
-    ] = None
+    field_deg: Annotated[tuple[_FieldSide, _FieldSide], about("width and height of the field of view that case = 'field-of-view' adds")] = (
+        4.0,
+        4.0,
+    )
+    height_m: Annotated[tuple[_Height, _Height] | None, about("lowest and highest sensor, uniform between; default: sensor.height_m")] = (
+        None
+    )
     looks: Annotated[InputFile | None, about("CSV of looks drawn whole: any of depression_deg, azimuth_from_sun_deg, height_m, weight")] = (
         None
     )
@@ -56,10 +60,7 @@ class Likelihood(Record):
     months: Annotated[
         tuple[Annotated[int, Quantity(ge=1, le=12, integer=True)], ...] | None, about("months that count; all", min_length=1)
     ] = None
-    hours_utc: Annotated[
-        tuple[Annotated[float, Quantity("h", ge=0, le=24)], Annotated[float, Quantity("h", ge=0, le=24)]],
-        about("hours of the day that count, UTC"),
-    ] = (0.0, 24.0)
+    hours_utc: Annotated[tuple[_Hour, _Hour], about("hours of the day that count, UTC")] = (0.0, 24.0)
     clouds: Annotated[
         Literal["auto", "cover", "overcast", "line-of-sight"],
         about(

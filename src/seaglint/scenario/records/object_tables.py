@@ -19,7 +19,8 @@ _ShapePlace = Annotated[float, Quantity("m", ge=-5000, le=5000)]
 _Angle = Annotated[float, Quantity("deg", ge=-36_000, le=36_000)]
 
 Temperature = Annotated[float, Quantity("K", ge=100, le=4000)]
-Emissivity = Annotated[float, Quantity(ge=0, le=1)]
+_Share = Annotated[float, Quantity(ge=0, le=1)]
+Emissivity = _Share
 
 
 class Part(Record):
@@ -103,12 +104,8 @@ class Plume(Part):
 
     kind: Literal["plume"] = "plume"
     semi_axes_m: Annotated[tuple[_Length, _Length, _Length], about("half of its width, length and height")]
-    co2_share: Annotated[
-        Annotated[float, Quantity(ge=0, le=1)] | None, about("mole fraction of carbon dioxide at 1 atm, in place of emissivity")
-    ] = None
-    h2o_share: Annotated[
-        Annotated[float, Quantity(ge=0, le=1)] | None, about("mole fraction of water vapour at 1 atm, in place of emissivity")
-    ] = None
+    co2_share: Annotated[_Share | None, about("mole fraction of carbon dioxide at 1 atm, in place of emissivity")] = None
+    h2o_share: Annotated[_Share | None, about("mole fraction of water vapour at 1 atm, in place of emissivity")] = None
 
     @property
     def gases(self) -> bool:

@@ -16,18 +16,20 @@ from seaglint.base.reports import REPORTS
 from seaglint.scenario.records.record import Azimuth, InputFile, Quantity, Record, about, default_tag, rule
 
 
+_Exposure = Annotated[float, Quantity("s", gt=0, le=1e4)]
+_FNumber = Annotated[float, Quantity(ge=0.5, le=200)]
+_Side = Annotated[int, Quantity(ge=1, le=65_536, integer=True)]
+
+
 class PhotonDetector(Record):
     """Pixels that count photons: InSb, MCT and others; what is left out is neutral."""
 
     kind: Literal["photon"] = "photon"
     pitch_um: Annotated[float, Quantity("um", gt=0, le=1000), about("distance of the pixels' centres")]
     fill_factor: Annotated[float, Quantity(gt=0, le=1), about("share of a pixel's area that is sensitive")] = 1.0
-    integration_time_s: Annotated[
-        Annotated[float, Quantity("s", gt=0, le=1e4)] | None, about("integration time; default: a whole frame")
-    ] = None
+    integration_time_s: Annotated[_Exposure | None, about("integration time; default: a whole frame")] = None
     short_integration_time_s: Annotated[
-        Annotated[float, Quantity("s", gt=0, le=1e4)] | None,
-        about("second, shorter integration after the first, taken where that saturates (high dynamic range)"),
+        _Exposure | None, about("second, shorter integration after the first, taken where that saturates (high dynamic range)")
     ] = None
     quantum_efficiency: Annotated[float, Quantity(gt=0, le=1), about("electrons for each photon in the band")] = 1.0
     quantum_efficiency_file: Annotated[
@@ -149,9 +151,7 @@ class Optics(Record):
     """Aperture, focal length, blur and losses; what is left out is neutral."""
 
     aperture_m: Annotated[Annotated[float, Quantity("m", gt=0, le=10)] | None, about("diameter of the entrance pupil")] = None
-    f_number: Annotated[
-        Annotated[float, Quantity(ge=0.5, le=200)] | None, about("focal length over aperture; 0.5 is the sine condition's end")
-    ] = None
+    f_number: Annotated[_FNumber | None, about("focal length over aperture; 0.5 is the sine condition's end")] = None
     focal_length_m: Annotated[Annotated[float, Quantity("m", gt=0, le=100)] | None, about("focal length")] = None
     ifov_urad: Annotated[
         Annotated[float, Quantity("urad", gt=0, le=1e5)] | None,
@@ -179,8 +179,7 @@ class Optics(Record):
     temperature_k: Annotated[float, Quantity("K", ge=50, le=400), about("temperature of warm optics and housing")] = 293.15
     emissivity: Annotated[float, Quantity(ge=0, le=1), about("emissivity of warm optics, 1 - transmission for lenses")] = 0.0
     cold_shield_f_number: Annotated[
-        Annotated[float, Quantity(ge=0.5, le=200)] | None,
-        about("f-number of the cold shield; below that of the optics it lets the warm housing in, else it fits"),
+        _FNumber | None, about("f-number of the cold shield; below that of the optics it lets the warm housing in, else it fits")
     ] = None
     stray_share: Annotated[float, Quantity(ge=0, lt=1), about("share of the light scattered evenly over the picture")] = 0.0
     cos4: Annotated[StrictBool, about("illumination falls with the fourth power of the field angle's cosine")] = False
@@ -266,10 +265,7 @@ class Sensor(Record):
         tuple[Annotated[float, Quantity("deg", gt=0, le=360)], Annotated[float, Quantity("deg", gt=0, le=180)]],
         about("field of view [width, height]"),
     ] = (16.0, 8.0)
-    pixels: Annotated[
-        tuple[Annotated[int, Quantity(ge=1, le=65_536, integer=True)], Annotated[int, Quantity(ge=1, le=65_536, integer=True)]],
-        about("number of pixels [width, height]"),
-    ] = _PIXELS
+    pixels: Annotated[tuple[_Side, _Side], about("number of pixels [width, height]")] = _PIXELS
     pixel_shape: Annotated[
         Literal["auto", "square", "any"],
         about(

@@ -49,15 +49,16 @@ class TimedPlace(Record):
     north_m: Annotated[PlaceMetres | None, about("position towards north")] = None
 
 
+_Turn = Annotated[float, Quantity("deg", ge=-36_000, le=36_000)]
+
+
 class Keyframe(TimedPlace):
     """Where a moving sensor is at one time; what is left out stays as [sensor] says (east and north: 0)."""
 
     height_m: Annotated[Annotated[float, Quantity("m", gt=0, le=HIGHEST_SENSOR)] | None, about("height above the mean sea")] = None
-    azimuth_deg: Annotated[Annotated[float, Quantity("deg", ge=-36_000, le=36_000)] | None, about("azimuth of the image centre")] = None
+    azimuth_deg: Annotated[_Turn | None, about("azimuth of the image centre")] = None
     elevation_deg: Annotated[Annotated[float, Quantity("deg", ge=-90, le=90)] | None, about("elevation of the image centre")] = None
-    roll_deg: Annotated[
-        Annotated[float, Quantity("deg", ge=-36_000, le=36_000)] | None, about("turn about the line of sight, right side down")
-    ] = None
+    roll_deg: Annotated[_Turn | None, about("turn about the line of sight, right side down")] = None
 
 
 class Platform(Record):
@@ -103,15 +104,14 @@ class Platform(Record):
 TABLE_BANDS_TEXT = " or ".join(f"{low:g} to {high:g} um" for low, high in TABLE_BANDS_UM) + " (no band across the gap)"
 
 
+_Edge = Annotated[float, Quantity("um", gt=0, le=100)]
+
+
 class BandSettings(Record):
     """Spectral band: a rectangle, or a measured response; inside 2-5.5 or 7.5-14 um with the table atmosphere."""
 
-    min_um: Annotated[
-        Annotated[float, Quantity("um", gt=0, le=100)] | None, about("short-wave edge of a rectangular band (default 3.5)")
-    ] = None
-    max_um: Annotated[
-        Annotated[float, Quantity("um", gt=0, le=100)] | None, about("long-wave edge of a rectangular band (default 5.0)")
-    ] = None
+    min_um: Annotated[_Edge | None, about("short-wave edge of a rectangular band (default 3.5)")] = None
+    max_um: Annotated[_Edge | None, about("long-wave edge of a rectangular band (default 5.0)")] = None
     response: Annotated[InputFile | None, about("CSV file with columns wavelength_um, response; instead of the two edges")] = None
 
     @model_validator(mode="before")
