@@ -24,44 +24,44 @@ class Wind(Record):
 Range = tuple[float, float]
 
 
-class CoxMunkIsotropic(Record):
+class _FittedSlopes(Record):
+    """Slopes that were fitted to measurements in a range of winds."""
+
+    winds: ClassVar[Range] = COX_MUNK_WIND
+    kind: str  # the kind stands first among the keys of a table
+    extrapolate: Annotated[StrictBool, about("allow winds above the range of the fit")] = False
+
+
+class CoxMunkIsotropic(_FittedSlopes):
     """Cox and Munk 1954, clean sea, the same variance in all directions."""
 
-    winds: ClassVar[Range] = COX_MUNK_WIND
     kind: Literal["cox-munk-isotropic"] = "cox-munk-isotropic"
-    extrapolate: Annotated[StrictBool, about("allow winds above the range of the fit")] = False
 
 
-class CoxMunkAnisotropic(Record):
+class CoxMunkAnisotropic(_FittedSlopes):
     """Cox and Munk 1954, clean sea, upwind and crosswind variances."""
 
-    winds: ClassVar[Range] = COX_MUNK_WIND
     kind: Literal["cox-munk-anisotropic"] = "cox-munk-anisotropic"
-    extrapolate: Annotated[StrictBool, about("allow winds above the range of the fit")] = False
 
 
-class CoxMunkGramCharlier(Record):
+class CoxMunkGramCharlier(_FittedSlopes):
     """Cox and Munk 1954, clean sea, with skewness (steep lee faces) and peakedness."""
 
-    winds: ClassVar[Range] = COX_MUNK_WIND
     kind: Literal["cox-munk-gram-charlier"] = "cox-munk-gram-charlier"
-    extrapolate: Annotated[StrictBool, about("allow winds above the range of the fit")] = False
 
 
-class CoxMunkSlick(Record):
+class CoxMunkSlick(_FittedSlopes):
     """Cox and Munk 1954, sea under an oil slick; up to 14 m/s."""
 
     winds: ClassVar[Range] = COX_MUNK_SLICK_WIND
     kind: Literal["cox-munk-slick"] = "cox-munk-slick"
-    extrapolate: Annotated[StrictBool, about("allow winds above the range of the fit")] = False
 
 
-class BreonHenriot(Record):
+class BreonHenriot(_FittedSlopes):
     """Breon and Henriot 2006, open ocean seen from a satellite, with skewness and peakedness; up to 15 m/s."""
 
     winds: ClassVar[Range] = BREON_HENRIOT_WIND
     kind: Literal["breon-henriot"] = "breon-henriot"
-    extrapolate: Annotated[StrictBool, about("allow winds above the range of the fit")] = False
 
 
 class SpectrumSlopes(Record):

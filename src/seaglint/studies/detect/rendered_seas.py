@@ -66,8 +66,7 @@ def injected(scenario: Scenario, request: SceneRequest, seas: IndependentSeas) -
         return request.own_shape, 1.0, None
     match request.kind:
         case "point":
-            shape, share = point_shape(seas.model)
-            return shape, share, None
+            return *point_shape(seas.model), None
         case "gaussian":
             return GaussianSpot(0.8), 1.0, None
         case name:

@@ -128,8 +128,7 @@ class LikelihoodModel:
         """Lowest and highest sensor [m]."""
         if "height_m" in self.looks:
             return float(self.looks["height_m"].min()), float(self.looks["height_m"].max())
-        height = self.scenario.sensor.height_m
-        return self.settings.height_m or (height, height)
+        return self.settings.height_m or (self.scenario.sensor.height_m,) * 2
 
     @property
     def depression(self) -> tuple[float, float]:

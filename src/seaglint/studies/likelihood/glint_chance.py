@@ -166,21 +166,18 @@ def likelihood(
     tell(1, 3)
     drawn = draw(model)
     tell(2, 3)
-    values = tuple(draw_values(model, drawn, threshold) for threshold in model.settings.threshold_w_m2_sr)
+    thresholds = model.settings.threshold_w_m2_sr
+    values = tuple(draw_values(model, drawn, threshold) for threshold in thresholds)
     estimates = tuple(estimate(v, drawn.plan, weight=drawn.weight) for v in values)
     classes, of_looks = _classes(model, drawn), _classes_of_looks(drawn)
     # Classes of a single look, such as its azimuth, need values of that look even where azimuths are integrated.
-    one_look = (
-        values if not drawn.shares else tuple(draw_values(model, replace(drawn, shares={}), t) for t in model.settings.threshold_w_m2_sr)
-    )
+    one_look = values if not drawn.shares else tuple(draw_values(model, replace(drawn, shares={}), t) for t in thresholds)
     by_threshold = tuple(
         (*strata(v, drawn.plan, classes, t, weight=drawn.weight), *strata(one, drawn.plan, of_looks, t, weight=drawn.weight))
-        for t, v, one in zip(model.wanted.threshold_w_m2_sr, values, one_look, strict=True)
+        for t, v, one in zip(thresholds, values, one_look, strict=True)
     )
     tell(3, 3)
-    return GlintLikelihood(
-        model=model, draws=drawn, thresholds=model.settings.threshold_w_m2_sr, estimates=estimates, strata=by_threshold, values=values
-    )
+    return GlintLikelihood(model=model, draws=drawn, thresholds=thresholds, estimates=estimates, strata=by_threshold, values=values)
 
 
 def cloud_law(model: LikelihoodModel) -> CloudLaw:
@@ -319,11 +316,8 @@ def _everywhere(some: Looks, at: NDArray[np.intp], total: int) -> Looks:
 def _geometry(model: LikelihoodModel, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return depression and azimuth from the Sun [rad], and height [m]."""
     settings = model.settings
-    (low, high), (first, last), (lowest, highest) = (
-        np.radians(settings.depression_deg),
-        np.radians(settings.azimuth_from_sun_deg),
-        model.heights,
-    )
+    (low, high), (first, last) = np.radians(settings.depression_deg), np.radians(settings.azimuth_from_sun_deg)
+    lowest, highest = model.heights
     depression = low + (high - low) * u["depression"]
     relative = first + (last - first) * u["azimuth"]
     height = lowest + (highest - lowest) * u["height"]

@@ -167,10 +167,10 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
                 )
             )
     step = _steps(time)
-    results = []
-    for t, threshold in enumerate(thresholds):
-        spell = spells(np.stack(lit[t], axis=1) > 0.0, step)
-        results.append(GlintHours(threshold, float(chance[:, t] @ step), spell.mean_duration_hours, spell.mean_return_hours))
+    results = [
+        GlintHours(threshold, float(chance[:, t] @ step), *spells(np.stack(lit[t], axis=1) > 0.0, step))
+        for t, threshold in enumerate(thresholds)
+    ]
     return TrackChances(float(step.sum()), results, way, list(model.notes))
 
 

@@ -160,9 +160,10 @@ def modtran_sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[Mea
     # The table has gaps between its bands; sums over each part need no channels in the gaps.
     parts = np.split(np.arange(nu.size), np.flatnonzero(np.diff(nu) > 20.0) + 1)
     rows: list[MeasuredRow] = []
-    light: dict[Spectroscopy, FloatArray] = {}
-    for name in spectroscopies:
-        light[name] = np.concatenate([sums_with(name, profile, haze, nu[part]).along(0.0, 0.0).emitted for part in parts])
+    light = {
+        name: np.concatenate([sums_with(name, profile, haze, nu[part]).along(0.0, 0.0).emitted for part in parts])
+        for name in spectroscopies
+    }
     for part in parts:
         within = {name: values[part] for name, values in light.items()}
         low, high = nu[part][0], nu[part][-1]
