@@ -219,8 +219,7 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
         report_moments(raw, where)
     elif isinstance(given, Mapping):
         raw, where, paths_from = dict(given), f"{name}: base", folder
-        preset = raw.pop("preset", None)
-        if preset is not None:
+        if (preset := raw.pop("preset", None)) is not None:
             if not isinstance(preset, str) or preset not in PRESETS:
                 raise ScenarioError(f"{where}.preset = '{preset}' is not one of {', '.join(PRESETS)}")
             raw = merged(PRESETS[preset].values, raw)

@@ -142,8 +142,7 @@ def camera_lines(scenario: Mapping[str, Any]) -> list[str]:
         f"{sensor['frames']} frames at {sensor['frame_rate_hz']:g} Hz",
         f"scene             {scene_line(scenario)}",
     ]
-    objects = [str(item.get("name", "")) for item in scenario.get("objects", ())]
-    if objects:
+    if objects := [str(item.get("name", "")) for item in scenario.get("objects", ())]:
         shown = ", ".join(objects[:5]) + (", ..." if len(objects) > 5 else "")
         out.append(f"objects           {len(objects)}: {shown}")
     return out

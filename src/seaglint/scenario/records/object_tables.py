@@ -212,8 +212,7 @@ def with_names(items: Any) -> Any:
     taken = {item["name"] for item in items if isinstance(item, Mapping) and isinstance(item.get("name"), str)}
     out = []
     for item in items:
-        name = _natural_name(item)
-        if name is not None:
+        if (name := _natural_name(item)) is not None:
             numbered, number = name, 1
             while numbered in taken:
                 number += 1

@@ -359,8 +359,7 @@ def _require_clear(placed: list[Body], track: Track, last: float) -> None:
         return np.array([pose.east, pose.north, pose.height])
 
     for body in placed:
-        contact = first_contact(body, eye, track.time, last)
-        if contact is not None:
+        if (contact := first_contact(body, eye, track.time, last)) is not None:
             text = (
                 f"at {contact.time:.6g} s the sensor is inside it, {contact.distance:.3g} m from its origin; move one of them by east_m, "
                 "north_m or height_m"

@@ -240,8 +240,7 @@ def profile_atmosphere(requested: ComputedAir, scenario: Scenario, over: Band) -
     report_sounding(sounding, requested.model, scenario, over)
     profile = sounding.profile(requested.model)
     # A duct bends rays more than the sums assume, which the user has to know.
-    trapped = trapping_layers(profile.height, refractivity(profile, INFRARED_CM), profile.earth_radius)
-    if trapped:
+    if trapped := trapping_layers(profile.height, refractivity(profile, INFRARED_CM), profile.earth_radius):
         layers = ", ".join(f"{low:.0f}-{high:.0f} m" for low, high in trapped)
         shown = "" if requested.refraction == "profile" else ", and pictures show no mirage (atmosphere.refraction = 'profile' does)"
         _log.warning("%s traps rays at %s: its sums bend them a little less%s", sounding.path, layers, shown)

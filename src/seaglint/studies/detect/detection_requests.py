@@ -426,7 +426,6 @@ class RangeRequest(RateRequest, CasesRequest):
         DomainError
             Ranges, precision, P_d or a rate that are not allowed.
         """
-
         name = self.object or (names[0] if len(names) == 1 else None)
         if not names:
             raise DataError(

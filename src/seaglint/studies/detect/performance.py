@@ -342,17 +342,14 @@ def detector_for(source: FrameSource, options: DetectionOptions) -> Detector:
 def _notes(
     detector: Detector, options: DetectionOptions, trials: Trials, alarms: FalseAlarmCount, detections: tuple[Interval, ...]
 ) -> list[str]:
-    notes = []
-    if trials.stopped is not None:
-        notes.append(trials.stopped)
+    notes = [] if trials.stopped is None else [trials.stopped]
     if detector.reach is None:
         notes.append("the detector looks at whole frames: objects injected into one frame may disturb each other")
     for contrast, number in zip(options.objects.contrasts, trials.saturated, strict=True):
         if number:
             notes.append(f"contrast {contrast:g}: {number} objects go beyond saturation and are cut there")
     for scores in trials.scores:
-        silent = int(np.isneginf(scores.score).sum())
-        if silent:
+        if silent := int(np.isneginf(scores.score).sum()):
             notes.append(f"contrast {scores.contrast:g}: the detector returns NaN at {silent} objects; they count as missed")
     if min(options.objects.contrasts) < 0:
         notes.append("a contrast below 0 makes dark objects; thresholds are for bright ones")
@@ -432,8 +429,7 @@ def _with_object(performance: Performance, source: FrameSource, batch: Batch, co
     light = np.zeros_like(frame)[None]
     objects = performance.options.objects
     inject(light, batch, objects.shape, contrast)
-    counting = source.counting
-    if counting is not None:
+    if (counting := source.counting) is not None:
         last = performance.judged.place.start(batch.window) + performance.judged.lead
         light = counting.added(light, counting.draws(objects.seed, last, light.shape))
     lit: Frames = frame + light[0]

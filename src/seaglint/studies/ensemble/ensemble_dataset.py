@@ -182,8 +182,7 @@ def make_dataset(
         table = plan.table
         about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": made_from}
         finish(partial, catalogue, settings, about)
-        faults = list(dataset_writing.problems(partial))
-        if faults:
+        if faults := list(dataset_writing.problems(partial)):
             raise DataError("\n".join(f"{partial}: {line}" for line in faults[:20]))
         _give_name(partial, output)
     return output
@@ -361,8 +360,7 @@ def ensemble_dataset(
     table, seed = ensemble.dataset, ensemble.ensemble.seed
     known = {item.name for item in ensemble.objects} | {item.name for scene in drawn for item in scene.scenario.objects or ()}
     # A misspelt name would leave its objects without their class.
-    unknown = [name for name in table.classes if name not in known]
-    if unknown:
+    if unknown := [name for name in table.classes if name not in known]:
         own = {item["name"] for item in ensemble.base.get("objects", []) if "name" in item} | {item.name for item in ensemble.objects}
         names = f"; objects are {', '.join(sorted(own))}" if own else "; it has no objects"
         raise ScenarioError(f"{ensemble.name}: dataset.classes.{unknown[0]} names no object of the ensemble; correct the name{names}")

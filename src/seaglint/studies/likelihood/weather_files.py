@@ -179,17 +179,13 @@ def _filled(columns: dict[str, FloatArray], fill: Mapping[str, float]) -> list[s
 
 def _lacking(table: WeatherTable, selection: Selection) -> list[str]:
     """Return the gaps of a table: rows without wind or cloud, months without rows."""
-    notes = []
-    for name in NEEDED:
-        count = int(np.sum(np.isnan(table[name])))
-        if count:
-            notes.append(f"{count} of {len(table)} rows have no {name}: kept here, left out by what needs it")
+    counts = {name: int(np.sum(np.isnan(table[name]))) for name in NEEDED}
+    notes = [f"{n} of {len(table)} rows have no {name}: kept here, left out by what needs it" for name, n in counts.items() if n]
     present = table.months
     if not present:
         notes.append("no months: every row serves all the year")
         return notes
-    missing = [m for m in selection.months or range(1, 13) if m not in present]
-    if missing:
+    if missing := [m for m in selection.months or range(1, 13) if m not in present]:
         used = table.month_used
         notes.append("no rows in " + ", ".join(f"{MONTHS[m - 1]} (draws in that month use {MONTHS[used[m] - 1]})" for m in missing))
     return notes

@@ -484,7 +484,8 @@ class AgainstMeasurements:
             out.append(_aligned(("", "ours", "measured", "unit", "diff. %", "diff. K", "rms", "uncertainty")))
             for row in rows:
                 numbers = (_number(row.ours, row.unit), _number(row.measured, row.unit), row.unit)
-                rest = (_fixed(row.difference_percent, 1), _fixed(row.difference_k, 2), _size(row.rms, row.unit))
+                rms = _shown(row.rms, ".3f" if row.unit == "1" else ".2f")
+                rest = (_shown(row.difference_percent, "+.1f"), _shown(row.difference_k, "+.2f"), rms)
                 out.append(_aligned((row.quantity, *numbers, *rest, row.uncertainty)))
             out += [f"  {reason}" for reason in dict.fromkeys(row.reason for row in rows)] + [""]
         return out[:-1]
@@ -521,12 +522,8 @@ def _number(value: float, unit: str) -> str:
     return f"{value:.2f}" if unit == "K" else f"{value:.4g}"
 
 
-def _fixed(value: float | None, digits: int) -> str:
-    return "-" if value is None or np.isnan(value) else f"{value:+.{digits}f}"
-
-
-def _size(value: float | None, unit: str) -> str:
-    return "-" if value is None or np.isnan(value) else f"{value:.{3 if unit == '1' else 2}f}"
+def _shown(value: float | None, form: str) -> str:
+    return "-" if value is None or np.isnan(value) else f"{value:{form}}"
 
 
 def _cell(value: object) -> object:

@@ -218,12 +218,18 @@ def prepare_sense(
     model = sensor_model(scenario, seed)
     if recording.frame_rate:
         model = replace(model, frame_interval=1.0 / recording.frame_rate)
-        _require_exposure(model, recording)
+        if model.exposure_time > model.frame_interval * (1.0 + 1e-9):
+            raise DataError(
+                f"{recording.source}: its frames are {model.frame_interval:g} s apart, and sensor.detector.integration_time_s is "
+                f"{model.exposure_time:g} s, longer than a frame; shorten it, or give frame_rate"
+            )
     if known.band is not None:
         _require_band(known.band, model.photons.band)
     times = _oversampling(model, known, oversampling)
-    shape = _divided((recording.rows, recording.columns), times, recording.source)
-    rows, columns = shape
+    try:
+        rows, columns = shape = require_divides((recording.rows, recording.columns), times)
+    except DomainError as error:
+        raise DataError(f"{recording.source}: {error}") from error
     _require_blur(model, shape, times, recording.source)
     # A recording narrower than the scenario's picture is no full turn.
     model = replace(model, circle=model.circle and columns == scenario.sensor.pixels[0])
@@ -315,14 +321,6 @@ def _require_radiance(model: SensorModel, recording: Recording) -> SensorModel:
     return model
 
 
-def _require_exposure(model: SensorModel, recording: Recording) -> None:
-    if model.exposure_time > model.frame_interval * (1.0 + 1e-9):
-        raise DataError(
-            f"{recording.source}: its frames are {model.frame_interval:g} s apart, and sensor.detector.integration_time_s is "
-            f"{model.exposure_time:g} s, longer than a frame; shorten it, or give frame_rate"
-        )
-
-
 def _require_band(given: Band, own: Band) -> None:
     if abs(given.min_um - own.min_um) > 1e-3 * own.min_um or abs(given.max_um - own.max_um) > 1e-3 * own.max_um:
         raise DataError(
@@ -344,13 +342,6 @@ def _oversampling(model: SensorModel, known: Source, given: int | None) -> int:
             "number of them; give oversampling, or correct sensor.optics"
         )
     return nearest
-
-
-def _divided(shape: tuple[int, int], oversampling: int, source: str) -> tuple[int, int]:
-    try:
-        return require_divides(shape, oversampling)
-    except DomainError as error:
-        raise DataError(f"{source}: {error}") from error
 
 
 def _require_blur(model: SensorModel, shape: tuple[int, int], oversampling: int, source: str) -> None:

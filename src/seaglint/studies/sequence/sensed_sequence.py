@@ -317,7 +317,4 @@ def _require_track(sequence: Sequence, pattern: ScanPattern, pixels: tuple[int, 
 
 def _coarse(angles: FloatArray, n: int) -> FloatArray:
     """Return directions of the detector's pixels: means over the fine pixels, of columns or rows, or of all pixels."""
-    if angles.ndim == 1:
-        return np.asarray(angles.reshape(-1, n).mean(axis=1))
-    rows, columns = angles.shape[0] // n, angles.shape[1] // n
-    return np.asarray(angles.reshape(rows, n, columns, n).mean(axis=(1, 3)))
+    return np.asarray(angles.reshape(-1, n).mean(axis=1)) if angles.ndim == 1 else binned_image(angles, n)

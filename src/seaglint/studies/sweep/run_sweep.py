@@ -396,10 +396,8 @@ class CollectedCases:
         for name, array in _all(first).items():
             values = array.values
             # Whole numbers, booleans and texts cannot be missing, so their type changes if cases may fail.
-            kind = values.dtype if values.dtype.kind in "fcmM" or not self.settings.keep_going else None
-            if kind is None:
-                kind = np.dtype(object) if values.dtype.kind in "UO" else np.dtype(np.float64)
-            elif kind.kind == "U":
+            kind = values.dtype if values.dtype.kind in "fcmM" or not self.settings.keep_going else np.dtype(np.float64)
+            if values.dtype.kind in "UO":
                 kind = np.dtype(object)
             self.arrays[name] = np.full((count, *values.shape), _missing(kind), dtype=kind)
 
@@ -416,8 +414,7 @@ class CollectedCases:
         shape = self.settings.plan.shape
         values = {name: array.reshape(*shape, *array.shape[1:]) for name, array in self.arrays.items()}
         result = _dataset(self.settings, self.first, values, self.failures, self.band)
-        idle = self._without_effect(values)
-        if idle:
+        if idle := self._without_effect(values):
             log.warning("sweep: %s changes nothing of %s: the values are the same all along it", " and ".join(idle), self.settings.title)
             result.attrs["without_effect"] = ", ".join(idle)
         return result
