@@ -108,7 +108,10 @@ def add_sparkles(
 
 
 def planes_of(columns: FloatArray, planes: NDArray[np.int64], kind: DTypeLike) -> NDArray[np.floating]:
-    """Return planes of an image [unit of the channels, (planes, rows, columns)], of a data type, from the channels of its columns (columns, channels, rows)."""
+    """Return planes of an image [unit of the channels, (planes, rows, columns)], of a data type.
+
+    ``columns`` holds the channels of its columns (columns, channels, rows).
+    """
     out = np.empty((planes.size, columns.shape[2], columns.shape[0]), kind)
     in_threads(lambda part: upright(columns, planes, out, part), -(-out.shape[1] // BLOCK))
     return out

@@ -282,7 +282,7 @@ class SweptScene:
         return layers_of(launch.planes_of(columns, planes, np.float32), planes, self.layers)
 
     def planes(self, pose: Pose, time: float, surface: Surface, part: tuple[int, int]) -> NDArray[np.float32]:
-        """Return the planes of :func:`~seaglint.imaging.layers.planes_for` [units of the layers, (planes, rows, columns)] of some columns."""
+        """Return planes as :func:`~seaglint.imaging.layers.planes_for`, of some columns [units of layers, (planes, rows, columns)]."""
         images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
         return launch.planes_of(images[:, 0], planes_for(self.layers), np.float32)
 

@@ -10,6 +10,7 @@ import difflib
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -226,16 +227,13 @@ def _from_file(path: Path) -> dict[str, Any]:
 def _plain(text: str) -> Any:
     """Return a whole number, a number, a pair such as 640x512, true or false, or the text itself."""
     # Data sheets write pairs with x, the sign ×, or an asterisk.
-    pair = re.fullmatch(r"([0-9.]+)\s*[x×*]\s*([0-9.]+)", text)
-    if pair is not None:
+    if (pair := re.fullmatch(r"([0-9.]+)\s*[x×*]\s*([0-9.]+)", text)) is not None:
         return [_plain(pair[1]), _plain(pair[2])]
     if text in ("true", "false"):
         return text == "true"
     for kind in (int, float):
-        try:
+        with suppress(ValueError):
             return kind(text)
-        except ValueError:
-            pass
     return text.strip("'\"")
 
 
@@ -279,8 +277,7 @@ def _key_and_value(name: str, value: Any) -> tuple[tuple[str, ...], Any]:
             continue
         exact = [float(f"{one:.12g}") for one in read]  # 35 mm are 0.035 m, whatever the factor's last bit
         return known[other], exact if isinstance(value, list) else exact[0]
-    bare = [other for other in known if other.rpartition("_")[0] == name]
-    if bare:
+    if bare := [other for other in known if other.rpartition("_")[0] == name]:
         raise ScenarioError(f"camera: {name}={_text(value)} has no unit; write {bare[0]}={_text(value)}")
     near = difflib.get_close_matches(name, [*known, "band_um"], n=1, cutoff=0.6)
     hint = f"did you mean {near[0]}?" if near else f"write e.g. {EXAMPLE}; 'seaglint init' writes all keys of [sensor] and its tables"

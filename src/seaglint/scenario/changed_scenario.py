@@ -57,8 +57,7 @@ def set_key(raw: TomlTables, key: str, value: Any, name: str) -> None:
 
 def _place(items: list[Any], step: str, key: str, name: str) -> int:
     """Return the index of an object in a list by its name, or of any item by its number."""
-    named = [i for i, item in enumerate(items) if isinstance(item, Mapping) and item.get("name") == step]
-    if named:
+    if named := [i for i, item in enumerate(items) if isinstance(item, Mapping) and item.get("name") == step]:
         return named[0]
     if step.isdecimal() and int(step) < len(items):
         return int(step)

@@ -18,7 +18,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import PRESETS, with_sensor
 from seaglint.scenario.records.ensemble_tables import Choice, Dataset, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
 from seaglint.scenario.records.object_tables import with_names
-from seaglint.scenario.records.record import Quantity, Record, rule
+from seaglint.scenario.records.record import Quantity, Record, about, rule
 
 Sampling = Literal["random", "latin_hypercube", "sobol"]
 
@@ -34,22 +34,20 @@ Value = Law | Number  #: Law of a key, or a constant value.
 class EnsembleSettings(Record):
     """Number of scenes, and the method by which they are drawn."""
 
-    scenes: Annotated[int, Quantity(ge=1, le=1_000_000, integer=True), Field(description="number of scenes")]
+    scenes: Annotated[int, Quantity(ge=1, le=1_000_000, integer=True), about("number of scenes")]
     frames: Annotated[
         Annotated[int, Quantity(ge=1, le=10_000_000, integer=True)] | None,
-        Field(description="frames of every scene; default: sensor.frames of the base"),
+        about("frames of every scene; default: sensor.frames of the base"),
     ] = None
-    seed: Annotated[
-        int, Quantity(ge=0, le=9_223_372_036_854_775_807, integer=True), Field(description="the same seed draws the same scenes")
-    ] = 1
+    seed: Annotated[int, Quantity(ge=0, le=9_223_372_036_854_775_807, integer=True), about("the same seed draws the same scenes")] = 1
     sampling: Annotated[
         Sampling,
-        Field(
-            description="random: every draw by itself; latin_hypercube: of each key one draw in each of as many equally probable parts as "
+        about(
+            "random: every draw by itself; latin_hypercube: of each key one draw in each of as many equally probable parts as "
             "there are scenes; sobol: even in several keys at once"
         ),
     ] = "random"
-    sensor: Annotated[str | None, Field(description="preset that stands in for the base's sensor, as --sensor of render")] = None
+    sensor: Annotated[str | None, about("preset that stands in for the base's sensor, as --sensor of render")] = None
 
 
 class Template(Record):
@@ -60,13 +58,11 @@ class Template(Record):
     name: Annotated[
         str, Field(min_length=1, max_length=90, description="objects are called NAME-1, NAME-2, ...; default: that of preset or shape")
     ]
-    count: Annotated[Law | Annotated[int, COUNT], Field(description="how many")] = 1
-    column: Annotated[Value | None, Field(description="place in the first frame: pixels from its left edge")] = None
-    row: Annotated[Value | None, Field(description="place in the first frame: pixels from its upper edge")] = None
-    range_m: Annotated[Value | None, Field(description="distance along the sea")] = None
-    apart_px: Annotated[
-        float, Quantity(ge=0, le=10_000), Field(description="least distance in the first frame from objects drawn before [px]")
-    ] = 0.0
+    count: Annotated[Law | Annotated[int, COUNT], about("how many")] = 1
+    column: Annotated[Value | None, about("place in the first frame: pixels from its left edge")] = None
+    row: Annotated[Value | None, about("place in the first frame: pixels from its upper edge")] = None
+    range_m: Annotated[Value | None, about("distance along the sea")] = None
+    apart_px: Annotated[float, Quantity(ge=0, le=10_000), about("least distance in the first frame from objects drawn before [px]")] = 0.0
 
     @property
     def others(self) -> TomlTables:
@@ -96,11 +92,11 @@ class Template(Record):
 class Ensemble(Record):
     """Ensemble as read; its base no longer depends on a file."""
 
-    base: Annotated[TomlTables, Field(description="a scenario's tables; in the file also its path")]
+    base: Annotated[TomlTables, about("a scenario's tables; in the file also its path")]
     ensemble: EnsembleSettings
-    vary: Annotated[tuple[Vary, ...], Field(description="laws of keys")] = ()
-    objects: Annotated[tuple[Template, ...], Field(description="objects that every scene draws anew, beside those of the base")] = ()
-    dataset: Annotated[Dataset, Field(description="labelled data sets of it, for the command dataset")] = Dataset()
+    vary: Annotated[tuple[Vary, ...], about("laws of keys")] = ()
+    objects: Annotated[tuple[Template, ...], about("objects that every scene draws anew, beside those of the base")] = ()
+    dataset: Annotated[Dataset, about("labelled data sets of it, for the command dataset")] = Dataset()
     _name: str = PrivateAttr("ensemble")
     _folder: Path | None = PrivateAttr(None)
 
@@ -190,8 +186,7 @@ def parse_ensemble(raw: Mapping[str, Any], *, name: str = "ensemble", folder: Pa
         lines = dict.fromkeys(_described(detail) for detail in error.errors(include_url=False))
         mistakes = tuple(Mistake(key, value, None, text) for key, value, text in lines)
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
-    base = _base(raw.get("base", {}), ensemble.ensemble.sensor, name, folder)
-    ensemble = ensemble.model_copy(update={"base": base})
+    ensemble = ensemble.model_copy(update={"base": _base(raw.get("base", {}), ensemble.ensemble.sensor, name, folder)})
     ensemble._name, ensemble._folder = name, folder
     return ensemble
 
@@ -224,8 +219,7 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
         report_moments(raw, where)
     elif isinstance(given, Mapping):
         raw, where, paths_from = dict(given), f"{name}: base", folder
-        preset = raw.pop("preset", None)
-        if preset is not None:
+        if (preset := raw.pop("preset", None)) is not None:
             if not isinstance(preset, str) or preset not in PRESETS:
                 raise ScenarioError(f"{where}.preset = '{preset}' is not one of {', '.join(PRESETS)}")
             raw = merged(PRESETS[preset].values, raw)

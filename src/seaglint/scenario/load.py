@@ -116,8 +116,7 @@ def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
     if kind == "union_tag_not_found" and isinstance(given, Mapping):
         allowed, tag = tags(location), f"{key}.{tag_name(location)}"
         return Mistake(tag, None, _listed(allowed), f"{tag} is missing; add one of {_listed(allowed)}")
-    value = None if kind == "missing" else given
-    return Mistake(key, value, context.get("allowed"), _sentence(error, location))
+    return Mistake(key, None if kind == "missing" else given, context.get("allowed"), _sentence(error, location))
 
 
 def _meant_in(key: str, allowed: object, raw: Mapping[str, Any]) -> str:

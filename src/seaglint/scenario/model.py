@@ -11,14 +11,14 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from seaglint.base.free_form import TomlTables
 from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, PROFILE_BAND_UM, PROFILE_HEIGHTS, TABLE_BANDS_UM
 from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, LowtranFortranAtmosphere, TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.records.object_tables import Object, in_degrees, with_names
-from seaglint.scenario.records.record import YEARS, Quantity, Record, rule
+from seaglint.scenario.records.record import YEARS, Quantity, Record, about, rule
 from seaglint.scenario.records.sea_tables import FlatSlopes, Sea, SpectrumSlopes, Wind
 from seaglint.scenario.records.sensor_table import Sensor
 from seaglint.scenario.records.view_tables import TABLE_BANDS_TEXT, BandSettings, Mean, Place, Platform, Render, Sun, Time
@@ -27,22 +27,20 @@ from seaglint.scenario.records.view_tables import TABLE_BANDS_TEXT, BandSettings
 class Scenario(Record):
     """A scene and the sensor that looks at it: everything a picture depends on."""
 
-    seed: Annotated[
-        int, Quantity(ge=0, le=9_223_372_036_854_775_807, integer=True), Field(description="the same seed gives the same sea")
-    ] = 1
+    seed: Annotated[int, Quantity(ge=0, le=9_223_372_036_854_775_807, integer=True), about("the same seed gives the same sea")] = 1
     time: Time | None = None
     place: Place | None = None
     sun: Sun | None = None
     sensor: Sensor = Sensor()
-    platform: Annotated[Platform | None, Field(description="how the sensor moves; without it the sensor stands still")] = None
+    platform: Annotated[Platform | None, about("how the sensor moves; without it the sensor stands still")] = None
     band: BandSettings = BandSettings()
     wind: Wind = Wind()
     sea: Sea = Sea()
-    atmosphere: Annotated[Atmosphere, Field(description="the air")] = TableAtmosphereSettings()
+    atmosphere: Annotated[Atmosphere, about("the air")] = TableAtmosphereSettings()
     mean: Mean = Mean()
     render: Render = Render()
-    objects: Annotated[tuple[Object, ...] | None, Field(description="what is on and above the sea")] = None
-    likelihood: Annotated[Likelihood | None, Field(description="how often glint matters, for the command likelihood")] = None
+    objects: Annotated[tuple[Object, ...] | None, about("what is on and above the sea")] = None
+    likelihood: Annotated[Likelihood | None, about("how often glint matters, for the command likelihood")] = None
 
     #: Function that makes the HTML for notebooks; :mod:`seaglint.scenario.text.display`, which reads this module, sets it.
     html: ClassVar[Callable[[Any], str] | None] = None

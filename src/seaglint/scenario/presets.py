@@ -42,13 +42,8 @@ def _hull(beam: float, length: float, depth: float, draught: float, bow: float) 
     for sign in (1.0, -1.0):
         # a box whose side runs from the stem to where the bow begins
         aside, ahead = sign * (0.25 * beam + 0.5 * side * bow / reach), 0.5 * (length - bow) + 0.25 * side * beam / reach
-        cut = _box([side, 2.0 * side, 2.0 * depth], [aside, ahead, 0.5 * depth - draught], heading_deg=-sign * turn)
-        cuts.append(cut)
+        cuts.append(_box([side, 2.0 * side, 2.0 * depth], [aside, ahead, 0.5 * depth - draught], heading_deg=-sign * turn))
     return {"kind": "difference", "parts": [_box([beam, length, depth], [0.0, 0.0, 0.5 * depth - draught]), *cuts]}
-
-
-def _union(*parts: TomlTables) -> TomlTables:
-    return {"kind": "union", "parts": list(parts)}
 
 
 def _bird(east: float, ahead: float, up: float) -> list[TomlTables]:
@@ -56,7 +51,21 @@ def _bird(east: float, ahead: float, up: float) -> list[TomlTables]:
     return [body, _box([1.4, 0.16, 0.02], [east, ahead + 0.05, up + 0.02])]
 
 
-_AFLOAT: Final[TomlTables] = {"floats": True, "height_m": 0.0}
+def _aloft(surface: TomlTables, *parts: TomlTables) -> TomlTables:
+    """Return the values of a union of parts; ``surface`` has the temperature and emissivity of those without their own."""
+    return {"shape": {"kind": "union", "parts": list(parts)}, **surface}
+
+
+def _afloat(surface: TomlTables, *parts: TomlTables) -> TomlTables:
+    """Return the values of a union of parts that floats."""
+    return {"floats": True, "height_m": 0.0, **_aloft(surface, *parts)}
+
+
+#: Places of a flock's birds: to starboard, ahead and up [m].
+_FLOCK: Final = (
+    *((0.0, 0.0, 0.0), (-2.2, -2.1, 0.3), (2.4, -2.0, -0.2), (-4.5, -4.3, 0.1)),
+    *((4.6, -3.9, 0.5), (-6.6, -6.2, -0.3), (7.0, -6.4, 0.2)),
+)
 
 #: Presets of objects by the name that the key ``preset`` takes.
 OBJECTS: Final[dict[str, ObjectPreset]] = {
@@ -66,16 +75,12 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
             "hull diameter 3 m: NDBC, 'Can you describe the moored buoys?' (ndbc.noaa.gov/faq/hull.shtml)",
             "mast top at 4 m, hull 0.9 m thick, half of it under water: assumed",
         ),
-        {
-            **_AFLOAT,
-            "shape": _union(
-                {"kind": "cylinder", "radius_m": 1.5, "length_m": 0.9},
-                {"kind": "cone", "radius_m": 0.9, "top_radius_m": 0.15, "length_m": 2.4, "at_m": [0.0, 0.0, 1.6]},
-                {"kind": "cylinder", "radius_m": 0.1, "length_m": 1.4, "at_m": [0.0, 0.0, 3.3]},
-            ),
-            "temperature_k": 290.0,
-            "emissivity": 0.92,
-        },
+        _afloat(
+            {"temperature_k": 290.0, "emissivity": 0.92},
+            {"kind": "cylinder", "radius_m": 1.5, "length_m": 0.9},
+            {"kind": "cone", "radius_m": 0.9, "top_radius_m": 0.15, "length_m": 2.4, "at_m": [0.0, 0.0, 1.6]},
+            {"kind": "cylinder", "radius_m": 0.1, "length_m": 1.4, "at_m": [0.0, 0.0, 3.3]},
+        ),
     ),
     "swimmer": ObjectPreset(
         "head and shoulders of a swimmer",
@@ -83,15 +88,11 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
             "head 0.152 m wide, 0.197 m long, 0.232 m high: means of men, ANSUR 1988 (Gordon et al. 1989)",
             "shoulders just awash, 0.49 m wide (ANSUR: biacromial 0.397, bideltoid 0.492 m); skin at 305 K, emissivity 0.98: assumed",
         ),
-        {
-            **_AFLOAT,
-            "shape": _union(
-                {"kind": "ellipsoid", "semi_axes_m": [0.076, 0.0985, 0.116], "at_m": [0.0, 0.0, 0.14]},
-                {"kind": "ellipsoid", "semi_axes_m": [0.245, 0.12, 0.12], "at_m": [0.0, 0.0, -0.09], "temperature_k": 298.0},
-            ),
-            "temperature_k": 305.0,
-            "emissivity": 0.98,
-        },
+        _afloat(
+            {"temperature_k": 305.0, "emissivity": 0.98},
+            {"kind": "ellipsoid", "semi_axes_m": [0.076, 0.0985, 0.116], "at_m": [0.0, 0.0, 0.14]},
+            {"kind": "ellipsoid", "semi_axes_m": [0.245, 0.12, 0.12], "at_m": [0.0, 0.0, -0.09], "temperature_k": 298.0},
+        ),
     ),
     "small-boat": ObjectPreset(
         "open outboard boat of 17 ft",
@@ -99,16 +100,12 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
             "length 5.18 m, beam 2.08 m, draught 0.23 m: Boston Whaler 170 Montauk (maker's data)",
             "depth of hull 0.9 m, console and outboard: assumed",
         ),
-        {
-            **_AFLOAT,
-            "shape": _union(
-                _hull(2.08, 5.18, 0.9, 0.23, 1.6),
-                _box([0.8, 0.7, 0.7], [0.0, -0.3, 1.0]),
-                _box([0.4, 0.6, 0.9], [0.0, -2.8, 0.75], temperature_k=320.0),
-            ),
-            "temperature_k": 291.0,
-            "emissivity": 0.92,
-        },
+        _afloat(
+            {"temperature_k": 291.0, "emissivity": 0.92},
+            _hull(2.08, 5.18, 0.9, 0.23, 1.6),
+            _box([0.8, 0.7, 0.7], [0.0, -0.3, 1.0]),
+            _box([0.4, 0.6, 0.9], [0.0, -2.8, 0.75], temperature_k=320.0),
+        ),
     ),
     "sailing-yacht": ObjectPreset(
         "sloop of 24 ft with its mainsail up",
@@ -116,18 +113,14 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
             "length 7.32 m, beam 2.71 m, mainsail luff 8.53 m, foot 2.97 m: J/24 class rules and specifications",
             "hull 1.2 m deep and 0.35 m in the water without its keel, sail 3 cm thick, boom 1.2 m up: assumed",
         ),
-        {
-            **_AFLOAT,
-            "shape": _union(
-                _hull(2.71, 7.32, 1.2, 0.35, 3.0),
-                _box([1.4, 2.4, 0.5], [0.0, 0.4, 1.0]),
-                {"kind": "cylinder", "radius_m": 0.06, "length_m": 9.4, "at_m": [0.0, 0.75, 5.4]},
-                # full height aft of a wedge is at the mast, so it is turned about
-                {"kind": "wedge", "size_m": [0.03, 2.97, 8.53], "at_m": [0.0, -0.76, 6.0], "heading_deg": 180.0, "temperature_k": 288.0},
-            ),
-            "temperature_k": 291.0,
-            "emissivity": 0.93,
-        },
+        _afloat(
+            {"temperature_k": 291.0, "emissivity": 0.93},
+            _hull(2.71, 7.32, 1.2, 0.35, 3.0),
+            _box([1.4, 2.4, 0.5], [0.0, 0.4, 1.0]),
+            {"kind": "cylinder", "radius_m": 0.06, "length_m": 9.4, "at_m": [0.0, 0.75, 5.4]},
+            # full height aft of a wedge is at the mast, so it is turned about
+            {"kind": "wedge", "size_m": [0.03, 2.97, 8.53], "at_m": [0.0, -0.76, 6.0], "heading_deg": 180.0, "temperature_k": 288.0},
+        ),
     ),
     "container-ship": ObjectPreset(
         "container ship of the old Panama locks",
@@ -135,18 +128,14 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
             "length 294.1 m, beam 32.3 m, draught 12.0 m: Panama Canal Authority, vessel requirements (original locks)",
             "depth of hull 21.5 m, six tiers of containers, bridge 40 m and funnel 45 m up: assumed",
         ),
-        {
-            **_AFLOAT,
-            "shape": _union(
-                _hull(32.3, 294.1, 21.5, 12.0, 45.0),
-                _box([30.0, 165.0, 13.0], [0.0, 15.0, 15.9], temperature_k=294.0),
-                _box([32.0, 14.0, 31.0], [0.0, -85.0, 24.9]),
-                _box([10.0, 10.0, 36.0], [0.0, -97.0, 27.4], temperature_k=300.0),
-                {"kind": "cylinder", "radius_m": 1.5, "length_m": 6.0, "at_m": [0.0, -97.0, 46.0], "temperature_k": 420.0},
-            ),
-            "temperature_k": 291.0,
-            "emissivity": 0.94,
-        },
+        _afloat(
+            {"temperature_k": 291.0, "emissivity": 0.94},
+            _hull(32.3, 294.1, 21.5, 12.0, 45.0),
+            _box([30.0, 165.0, 13.0], [0.0, 15.0, 15.9], temperature_k=294.0),
+            _box([32.0, 14.0, 31.0], [0.0, -85.0, 24.9]),
+            _box([10.0, 10.0, 36.0], [0.0, -97.0, 27.4], temperature_k=300.0),
+            {"kind": "cylinder", "radius_m": 1.5, "length_m": 6.0, "at_m": [0.0, -97.0, 46.0], "temperature_k": 420.0},
+        ),
     ),
     "fishing-vessel": ObjectPreset(
         "crab boat of 125 ft, wheelhouse aft",
@@ -154,17 +143,13 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
             "length 38.1 m, beam 8.81 m, draught 4.4 m: F/V Northwestern (Wikipedia)",
             "depth of hull 6.4 m, wheelhouse, mast and funnel: assumed",
         ),
-        {
-            **_AFLOAT,
-            "shape": _union(
-                _hull(8.81, 38.1, 6.4, 4.4, 9.0),
-                _box([7.5, 8.0, 6.0], [0.0, -11.0, 4.9]),
-                {"kind": "cylinder", "radius_m": 0.2, "length_m": 8.0, "at_m": [0.0, 8.0, 5.9]},
-                {"kind": "cylinder", "radius_m": 0.5, "length_m": 2.5, "at_m": [2.0, -13.0, 9.0], "temperature_k": 380.0},
-            ),
-            "temperature_k": 290.0,
-            "emissivity": 0.94,
-        },
+        _afloat(
+            {"temperature_k": 290.0, "emissivity": 0.94},
+            _hull(8.81, 38.1, 6.4, 4.4, 9.0),
+            _box([7.5, 8.0, 6.0], [0.0, -11.0, 4.9]),
+            {"kind": "cylinder", "radius_m": 0.2, "length_m": 8.0, "at_m": [0.0, 8.0, 5.9]},
+            {"kind": "cylinder", "radius_m": 0.5, "length_m": 2.5, "at_m": [2.0, -13.0, 9.0], "temperature_k": 380.0},
+        ),
     ),
     "drone": ObjectPreset(
         "quadrotor of 0.9 m",
@@ -172,23 +157,20 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
             "0.81 m long, 0.67 m wide, 0.43 m high unfolded without propellers: DJI Matrice 300 RTK specifications",
             "body, arms, motors at 310 K: assumed",
         ),
-        {
-            "shape": _union(
-                _box([0.18, 0.42, 0.16], [0.0, 0.0, 0.02]),
-                _box([0.05, 0.9, 0.04], [0.0, 0.0, 0.08], heading_deg=39.6),
-                _box([0.05, 0.9, 0.04], [0.0, 0.0, 0.08], heading_deg=-39.6),
-                *(
-                    {"kind": "cylinder", "radius_m": 0.035, "length_m": 0.08, "at_m": [x, y, 0.12], "temperature_k": 310.0}
-                    for x in (-0.28, 0.28)
-                    for y in (-0.34, 0.34)
-                ),
-                _box([0.02, 0.4, 0.3], [-0.16, 0.0, -0.1]),
-                _box([0.02, 0.4, 0.3], [0.16, 0.0, -0.1]),
-                _box([0.34, 0.02, 0.04], [0.0, 0.0, 0.02]),
+        _aloft(
+            {"temperature_k": 298.0, "emissivity": 0.9},
+            _box([0.18, 0.42, 0.16], [0.0, 0.0, 0.02]),
+            _box([0.05, 0.9, 0.04], [0.0, 0.0, 0.08], heading_deg=39.6),
+            _box([0.05, 0.9, 0.04], [0.0, 0.0, 0.08], heading_deg=-39.6),
+            *(
+                {"kind": "cylinder", "radius_m": 0.035, "length_m": 0.08, "at_m": [x, y, 0.12], "temperature_k": 310.0}
+                for x in (-0.28, 0.28)
+                for y in (-0.34, 0.34)
             ),
-            "temperature_k": 298.0,
-            "emissivity": 0.9,
-        },
+            _box([0.02, 0.4, 0.3], [-0.16, 0.0, -0.1]),
+            _box([0.02, 0.4, 0.3], [0.16, 0.0, -0.1]),
+            _box([0.34, 0.02, 0.04], [0.0, 0.0, 0.02]),
+        ),
     ),
     "light-aircraft": ObjectPreset(
         "high-winged aircraft with one engine",
@@ -196,17 +178,14 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
             "length 8.28 m, span 11.0 m, height 2.72 m, wing area 16.2 m2: Cessna 172S pilot's operating handbook",
             "fuselage, tail, engine cowling at 320 K: assumed",
         ),
-        {
-            "shape": _union(
-                {"kind": "ellipsoid", "semi_axes_m": [0.55, 4.14, 0.65]},
-                _box([11.0, 1.47, 0.18], [0.0, 0.7, 0.65]),
-                _box([3.4, 0.9, 0.1], [0.0, -3.6, 0.15]),
-                _box([0.1, 0.9, 1.5], [0.0, -3.6, 0.75]),
-                {"kind": "ellipsoid", "semi_axes_m": [0.5, 0.9, 0.5], "at_m": [0.0, 3.2, 0.0], "temperature_k": 320.0},
-            ),
-            "temperature_k": 287.0,
-            "emissivity": 0.9,
-        },
+        _aloft(
+            {"temperature_k": 287.0, "emissivity": 0.9},
+            {"kind": "ellipsoid", "semi_axes_m": [0.55, 4.14, 0.65]},
+            _box([11.0, 1.47, 0.18], [0.0, 0.7, 0.65]),
+            _box([3.4, 0.9, 0.1], [0.0, -3.6, 0.15]),
+            _box([0.1, 0.9, 1.5], [0.0, -3.6, 0.75]),
+            {"kind": "ellipsoid", "semi_axes_m": [0.5, 0.9, 0.5], "at_m": [0.0, 3.2, 0.0], "temperature_k": 320.0},
+        ),
     ),
     "bird-flock": ObjectPreset(
         "seven gulls, wings spread, in a loose wedge",
@@ -214,25 +193,7 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
             "herring gull: length 0.56 to 0.66 m, span 1.37 to 1.46 m (Cornell Lab of Ornithology, All About Birds)",
             "formation, wings 0.16 m wide, plumage at 291 K, body at 295 K: assumed",
         ),
-        {
-            "shape": _union(
-                *(
-                    part
-                    for place in (
-                        (0.0, 0.0, 0.0),
-                        (-2.2, -2.1, 0.3),
-                        (2.4, -2.0, -0.2),
-                        (-4.5, -4.3, 0.1),
-                        (4.6, -3.9, 0.5),
-                        (-6.6, -6.2, -0.3),
-                        (7.0, -6.4, 0.2),
-                    )
-                    for part in _bird(*place)
-                )
-            ),
-            "temperature_k": 291.0,
-            "emissivity": 0.96,
-        },
+        _aloft({"temperature_k": 291.0, "emissivity": 0.96}, *(part for place in _FLOCK for part in _bird(*place))),
     ),
 }
 
@@ -246,6 +207,15 @@ class Preset:
     values: TomlTables = field(default_factory=dict)
     files: tuple[str, ...] = ()  #: Files of the package that the scenario names, which are written beside it.
 
+
+_SWELL: Final = {
+    "kind": "jonswap",
+    "significant_height_m": 2.0,
+    "peak_period_s": 12.0,
+    "gamma": 5.0,
+    "from_deg": 330.0,
+    "spreading_deg": 12.0,
+}
 
 #: Presets of scenes by the name that the parameter ``preset`` takes.
 PRESETS: Final[dict[str, Preset]] = {
@@ -308,24 +278,7 @@ PRESETS: Final[dict[str, Preset]] = {
             "Swell of 2 m and 12 s (JONSWAP shape, Hasselmann et al. 1973), narrow, 60 deg off the wind;",
             "the wind sea is Elfouhaily et al. 1997 at the scenario's wind.",
         ),
-        {
-            "sea": {
-                "spectrum": {
-                    "kind": "systems",
-                    "systems": [
-                        {
-                            "kind": "jonswap",
-                            "significant_height_m": 2.0,
-                            "peak_period_s": 12.0,
-                            "gamma": 5.0,
-                            "from_deg": 330.0,
-                            "spreading_deg": 12.0,
-                        },
-                        {"kind": "elfouhaily"},
-                    ],
-                }
-            }
-        },
+        {"sea": {"spectrum": {"kind": "systems", "systems": [_SWELL, {"kind": "elfouhaily"}]}}},
     ),
     "furnace": Preset(
         "everything at one temperature: the picture must be flat",
@@ -358,6 +311,9 @@ _SCORPIO_SHEET = "assumed: as the data sheet of the Lynred Scorpio LW is cited, 
 _RULE_07 = "Tennant et al., J. Electronic Materials 37, 1406 (2008), Rule 07: 9.3 um cut-off, 80 K, 15 um"
 _PANORAMA = "assumed: a turn a second and a column of 640 pixels, as panoramic infrared search sensors are sold"
 
+#: Detector of the cooled arrays of photodiodes, as far as they are alike.
+_DIODES: Final = {"pitch_um": 15.0, "fill_factor": 0.9, "quantum_efficiency": 0.9, "bit_depth": 14}
+
 #: Presets of sensors by the name that the parameter ``sensor`` takes.
 SENSORS: Final[dict[str, SensorPreset]] = {
     "mwir-insb-640": SensorPreset(
@@ -366,15 +322,7 @@ SENSORS: Final[dict[str, SensorPreset]] = {
             "pixels": [640, 512],
             "frame_rate_hz": 60.0,
             "optics": {"focal_length_m": 0.05, "f_number": 2.5, "transmission": 0.9, "wavefront_error_waves": 0.05},
-            "detector": {
-                "pitch_um": 15.0,
-                "fill_factor": 0.9,
-                "integration_time_s": 0.003,
-                "quantum_efficiency": 0.9,
-                "well_capacity_e": 7.2e6,
-                "read_noise_e": 600.0,
-                "bit_depth": 14,
-            },
+            "detector": {**_DIODES, "integration_time_s": 0.003, "well_capacity_e": 7.2e6, "read_noise_e": 600.0},
             "noise": {"gain_spread": 0.0002, "offset_spread": 200.0, "dead_share": 0.0005},
         },
         {"min_um": 3.0, "max_um": 5.0},
@@ -405,14 +353,12 @@ SENSORS: Final[dict[str, SensorPreset]] = {
             "frame_rate_hz": 100.0,
             "optics": {"focal_length_m": 0.05, "f_number": 2.0, "transmission": 0.9, "wavefront_error_waves": 0.05},
             "detector": {
-                "pitch_um": 15.0,
-                "fill_factor": 0.9,
+                **_DIODES,
                 "integration_time_s": 0.00041,
                 "quantum_efficiency": 0.7,
                 "well_capacity_e": 1.1e7,
                 "read_noise_e": 1000.0,
                 "dark_current_e_s": 2.0e7,
-                "bit_depth": 14,
             },
             "noise": {"gain_spread": 0.0003, "offset_spread": 500.0, "dead_share": 0.002},
         },
@@ -478,15 +424,7 @@ SENSORS: Final[dict[str, SensorPreset]] = {
             "frame_rate_hz": 1.0,
             "projection": "equal-angle",
             "optics": {"focal_length_m": 0.027, "f_number": 2.0, "transmission": 0.85, "wavefront_error_waves": 0.05},
-            "detector": {
-                "pitch_um": 15.0,
-                "fill_factor": 0.9,
-                "integration_time_s": 8.8e-5,
-                "quantum_efficiency": 0.9,
-                "well_capacity_e": 1.0e6,
-                "read_noise_e": 150.0,
-                "bit_depth": 14,
-            },
+            "detector": {**_DIODES, "integration_time_s": 8.8e-5, "well_capacity_e": 1.0e6, "read_noise_e": 150.0},
             "scan": {"kind": "panoramic", "period_s": 1.0},
             "noise": {"gain_spread": 0.0003, "row": 100.0},
         },

@@ -13,7 +13,7 @@ from seaglint.base.errors import DataError, SeaglintError
 from seaglint.base.free_form import JsonObject
 from seaglint.store.location import place_of
 from seaglint.store.netcdf import open_netcdf
-from seaglint.store.sequence_store import open_sequence
+from seaglint.store.sequence_store import is_sequence, open_sequence
 from seaglint.store.stored_images import Summary, directions, images, pictures, summarise
 
 if TYPE_CHECKING:
@@ -83,7 +83,6 @@ def is_ours(path: Path | str) -> bool:
         return not str(path).endswith(".toml")
     if path.is_dir():
         from seaglint.formats.recording.labelled_arrays import is_zarr
-        from seaglint.store.sequence_store import is_sequence
 
         # A Zarr store of another program is read as a recording.
         return is_sequence(path) or (path.suffix.lower() == ".zarr" and not (is_zarr(path) and _is_of_others(path)))
@@ -92,9 +91,7 @@ def is_ours(path: Path | str) -> bool:
 
 def _is_of_others(path: Path) -> bool:
     """Return true for images of another program: a file or store that opens and holds no picture of this program."""
-    from seaglint.base.errors import SeaglintError
     from seaglint.base.schema import IMAGES
-    from seaglint.store.netcdf import open_netcdf
 
     try:
         if path.is_dir():
@@ -130,8 +127,7 @@ def describe_scenario(path: Path) -> ScenarioFacts:
         ensemble = load_ensemble(path).ensemble
         keys = [str(vary["key"]) for vary in raw.get("vary", [])]
         return ScenarioFacts(str(path), "ensemble", [f"{ensemble.scenes} scenes; drawn for each: {', '.join(keys) or 'the seed alone'}"])
-    scenario = load_scenario(path)
-    return ScenarioFacts(str(path), "scenario", [*camera_lines(scenario.model_dump(mode="json", exclude_none=True))])
+    return ScenarioFacts(str(path), "scenario", [*camera_lines(load_scenario(path).model_dump(mode="json", exclude_none=True))])
 
 
 def camera_lines(scenario: Mapping[str, Any]) -> list[str]:
@@ -146,8 +142,7 @@ def camera_lines(scenario: Mapping[str, Any]) -> list[str]:
         f"{sensor['frames']} frames at {sensor['frame_rate_hz']:g} Hz",
         f"scene             {scene_line(scenario)}",
     ]
-    objects = [str(item.get("name", "")) for item in scenario.get("objects", ())]
-    if objects:
+    if objects := [str(item.get("name", "")) for item in scenario.get("objects", ())]:
         shown = ", ".join(objects[:5]) + (", ..." if len(objects) > 5 else "")
         out.append(f"objects           {len(objects)}: {shown}")
     return out
@@ -360,10 +355,8 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
     radiance = pictures(dataset)
     azimuth, elevation = directions(dataset)
     upright = azimuth.ndim == 1
-    frames = None
     done = len(images(dataset))
-    if "time" in radiance.dims:
-        frames = _frames(dataset, radiance.sizes["time"], done)
+    frames = _frames(dataset, radiance.sizes["time"], done) if "time" in radiance.dims else None
     saturated = None
     if "saturated_share" in dataset:
         shares = dataset["saturated_share"].to_numpy()
@@ -412,11 +405,7 @@ def _frames(dataset: xr.Dataset, count: int, done: int) -> SequenceFrames:
 
 
 def _provenance(dataset: xr.Dataset) -> JsonObject:
-    return {key: _plain(value) for key, value in dataset.attrs.items() if key not in _HIDDEN}
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if hasattr(value, "tolist") else value
+    return {k: v.tolist() if hasattr(v, "tolist") else v for k, v in dataset.attrs.items() if k not in _HIDDEN}
 
 
 def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str]:

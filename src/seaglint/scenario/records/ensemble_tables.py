@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field, StrictFloat, StrictInt, StrictStr, model_validator
 
 from seaglint.base.errors import ScenarioError
-from seaglint.scenario.records.record import InputPath, Quantity, Record, convert, rule
+from seaglint.scenario.records.record import InputPath, Quantity, Record, about, convert, rule
 
 Number = StrictInt | StrictFloat | StrictStr  #: A number in the unit of its key, or text with another unit.
 
@@ -38,17 +38,15 @@ class _OfKey(Record):
     """Base of laws that have a key."""
 
     law: str
-    key: Annotated[
-        str | None, Field(description="key of the scenario, e.g. wind.speed_m_s, objects.ferry.heading_deg, sensor.fov_deg.0")
-    ] = None
+    key: Annotated[str | None, about("key of the scenario, e.g. wind.speed_m_s, objects.ferry.heading_deg, sensor.fov_deg.0")] = None
 
 
 class Uniform(_OfKey):
     """All values between two alike; keys of whole numbers get whole numbers, both ends included."""
 
     law: Literal["uniform"] = "uniform"
-    min: Annotated[Number, Field(description="least value")]
-    max: Annotated[Number, Field(description="greatest value")]
+    min: Annotated[Number, about("least value")]
+    max: Annotated[Number, about("greatest value")]
 
     def at(self, uniform: float, quantity: Quantity | None) -> float | int:
         """Return the value at a uniform number."""
@@ -64,8 +62,8 @@ class LogUniform(_OfKey):
     """All ratios alike: the logarithm is uniform between two."""
 
     law: Literal["log_uniform"] = "log_uniform"
-    min: Annotated[Number, Field(description="least value, above 0")]
-    max: Annotated[Number, Field(description="greatest value")]
+    min: Annotated[Number, about("least value, above 0")]
+    max: Annotated[Number, about("greatest value")]
 
     def at(self, uniform: float, quantity: Quantity | None) -> float | int:
         """Return the value at a uniform number."""
@@ -80,10 +78,10 @@ class Normal(_OfKey):
     """A normal law, cut off at ``min`` and ``max`` where they are given."""
 
     law: Literal["normal"] = "normal"
-    mean: Annotated[Number, Field(description="mean before it is cut off")]
-    standard_deviation: Annotated[Number, Field(description="standard deviation before it is cut off")]
-    min: Annotated[Number | None, Field(description="least value")] = None
-    max: Annotated[Number | None, Field(description="greatest value")] = None
+    mean: Annotated[Number, about("mean before it is cut off")]
+    standard_deviation: Annotated[Number, about("standard deviation before it is cut off")]
+    min: Annotated[Number | None, about("least value")] = None
+    max: Annotated[Number | None, about("greatest value")] = None
 
     def at(self, uniform: float, quantity: Quantity | None) -> float | int:
         """Return the value at a uniform number."""
@@ -111,9 +109,7 @@ class Choice(_OfKey):
 
     law: Literal["choice"] = "choice"
     values: Annotated[tuple[Any, ...], Field(min_length=1, description="what it may be: numbers, text, lists or tables")]
-    weights: Annotated[
-        tuple[Annotated[float, Quantity(ge=0)], ...] | None, Field(description="how often each comes; default: all alike")
-    ] = None
+    weights: Annotated[tuple[Annotated[float, Quantity(ge=0)], ...] | None, about("how often each comes; default: all alike")] = None
 
     @model_validator(mode="after")
     def _as_many(self) -> Self:
@@ -134,8 +130,7 @@ class Weather(Record):
 
     law: Literal["weather"] = "weather"
     table: Annotated[
-        InputPath | None,
-        Field(description="weather table, CSV or Parquet ('seaglint weather build' makes one); the packaged North Atlantic"),
+        InputPath | None, about("weather table, CSV or Parquet ('seaglint weather build' makes one); the packaged North Atlantic")
     ] = None
     columns: Annotated[
         tuple[
@@ -153,9 +148,7 @@ class Weather(Record):
         ],
         Field(min_length=1, description="columns that are taken; a wind direction that is missing is drawn uniformly"),
     ] = ("wind_speed_m_s", "wind_from_deg")
-    max_wind_m_s: Annotated[
-        Annotated[float, Quantity("m/s", gt=0, le=100)] | None, Field(description="rows with stronger winds are left out")
-    ] = None
+    max_wind_m_s: Annotated[Annotated[float, Quantity("m/s", gt=0, le=100)] | None, about("rows with stronger winds are left out")] = None
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -178,8 +171,7 @@ def chosen(weights: Sequence[float], uniform: float) -> int:
     """
     # The cumulative sum is not normalised, so the uniform number is scaled to it.
     total = np.cumsum(weights)
-    at = int(np.searchsorted(total, uniform * total[-1], side="right"))
-    return min(at, int(np.flatnonzero(weights)[-1]))
+    return min(int(np.searchsorted(total, uniform * total[-1], side="right")), int(np.flatnonzero(weights)[-1]))
 
 
 def in_unit(value: Number, quantity: Quantity | None) -> float:
@@ -247,17 +239,17 @@ _Name = Annotated[str, Field(min_length=1, max_length=100)]
 class Dataset(Record):
     """Description of a labelled data set of the ensemble."""
 
-    title: Annotated[str | None, Field(description="title of the data card; default: the file's name")] = None
-    description: Annotated[str, Field(description="what the data set is for, in the data card")] = ""
-    licence: Annotated[str | None, Field(description="licence of the pictures and labels; default: CC-BY-4.0")] = None
-    split: Annotated[
-        tuple[_Fraction, _Fraction, _Fraction], Field(description="shares of the scenes that train, validate and test; 1 in all")
-    ] = (0.7, 0.15, 0.15)
+    title: Annotated[str | None, about("title of the data card; default: the file's name")] = None
+    description: Annotated[str, about("what the data set is for, in the data card")] = ""
+    licence: Annotated[str | None, about("licence of the pictures and labels; default: CC-BY-4.0")] = None
+    split: Annotated[tuple[_Fraction, _Fraction, _Fraction], about("shares of the scenes that train, validate and test; 1 in all")] = (
+        0.7,
+        0.15,
+        0.15,
+    )
     classes: Annotated[
         dict[_Name, _Name],
-        Field(
-            description="category of objects by their name, or by that of the template that drew them; else their preset or kind of shape"
-        ),
+        about("category of objects by their name, or by that of the template that drew them; else their preset or kind of shape"),
     ] = {}  # noqa: RUF012 (pydantic copies it)
 
     @model_validator(mode="after")

@@ -4,91 +4,83 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, field_validator, model_validator
+from pydantic import StrictBool, field_validator, model_validator
 
-from seaglint.scenario.records.record import Azimuth, InputFile, Latitude, Quantity, Record, rule
+from seaglint.scenario.records.record import Azimuth, InputFile, Latitude, Quantity, Record, about, rule
 
 Case = Literal["single-look", "trajectory", "field-of-view"]
 
 MOST_SAMPLES = 2**26  #: Largest number of looks of one run [1]; some 5 GB.
 
 
+_FieldSide = Annotated[float, Quantity("deg", ge=0, le=60)]
+_Height = Annotated[float, Quantity("m", ge=2, le=10_000)]
+_Hour = Annotated[float, Quantity("h", ge=0, le=24)]
+
+
 class Likelihood(Record):
     """How often the mirrored Sun is brighter than thresholds: for the command likelihood."""
 
     weather: Annotated[
-        InputFile | None,
-        Field(description="weather table, CSV or Parquet ('seaglint weather build' makes one); the packaged North Atlantic"),
+        InputFile | None, about("weather table, CSV or Parquet ('seaglint weather build' makes one); the packaged North Atlantic")
     ] = None
     threshold_w_m2_sr: Annotated[
-        tuple[Annotated[float, Quantity("W/m2/sr", ge=0)], ...],
-        Field(description="radiances at the sensor that glint is compared with", min_length=1),
+        tuple[Annotated[float, Quantity("W/m2/sr", ge=0)], ...], about("radiances at the sensor that glint is compared with", min_length=1)
     ] = (0.25, 2.5)
-    case: Annotated[
-        Case, Field(description="one look; any depression on the way of a target; the same with all of a field of view about it")
-    ] = "single-look"
+    case: Annotated[Case, about("one look; any depression on the way of a target; the same with all of a field of view about it")] = (
+        "single-look"
+    )
     depression_deg: Annotated[
         tuple[Annotated[float, Quantity("deg", ge=-10, le=90)], Annotated[float, Quantity("deg", ge=0, le=90)]],
-        Field(description="lowest and highest depression of looks, uniform between, or of the trajectory"),
+        about("lowest and highest depression of looks, uniform between, or of the trajectory"),
     ] = (1.5, 6.0)
-    azimuth_from_sun_deg: Annotated[tuple[Azimuth, Azimuth], Field(description="azimuths of looks, clockwise from the Sun's")] = (
-        0.0,
-        360.0,
+    azimuth_from_sun_deg: Annotated[tuple[Azimuth, Azimuth], about("azimuths of looks, clockwise from the Sun's")] = (0.0, 360.0)
+    field_deg: Annotated[tuple[_FieldSide, _FieldSide], about("width and height of the field of view that case = 'field-of-view' adds")] = (
+        4.0,
+        4.0,
     )
-    field_deg: Annotated[
-        tuple[Annotated[float, Quantity("deg", ge=0, le=60)], Annotated[float, Quantity("deg", ge=0, le=60)]],
-        Field(description="width and height of the field of view that case = 'field-of-view' adds"),
-    ] = (4.0, 4.0)
-    height_m: Annotated[
-        tuple[Annotated[float, Quantity("m", ge=2, le=10_000)], Annotated[float, Quantity("m", ge=2, le=10_000)]] | None,
-        Field(description="lowest and highest sensor, uniform between; default: sensor.height_m"),
-    ] = None
-    looks: Annotated[
-        InputFile | None, Field(description="CSV of looks drawn whole: any of depression_deg, azimuth_from_sun_deg, height_m, weight")
-    ] = None
-    samples: Annotated[int, Quantity(ge=256, le=MOST_SAMPLES, integer=True), Field(description="draws, rounded up to powers of two")] = (
-        65_536
+    height_m: Annotated[tuple[_Height, _Height] | None, about("lowest and highest sensor, uniform between; default: sensor.height_m")] = (
+        None
     )
+    looks: Annotated[InputFile | None, about("CSV of looks drawn whole: any of depression_deg, azimuth_from_sun_deg, height_m, weight")] = (
+        None
+    )
+    samples: Annotated[int, Quantity(ge=256, le=MOST_SAMPLES, integer=True), about("draws, rounded up to powers of two")] = 65_536
     azimuths: Annotated[
         Literal["auto", "integrated", "drawn"],
-        Field(
-            description="integrated: each draw brings the share of the azimuths above the threshold (mean of single looks); drawn: one "
+        about(
+            "integrated: each draw brings the share of the azimuths above the threshold (mean of single looks); drawn: one "
             "azimuth; auto: integrated where that goes, up to 131072 draws"
         ),
     ] = "auto"
-    latitudes_deg: Annotated[tuple[Latitude, Latitude] | None, Field(description="region: southern and northern border")] = None
-    longitudes_deg: Annotated[tuple[Azimuth, Azimuth] | None, Field(description="region: western and eastern border")] = None
-    place_from_weather: Annotated[StrictBool, Field(description="take place, month and hour from the rows of the weather table")] = False
-    year: Annotated[int, Quantity(ge=1800, le=2200, integer=True), Field(description="year of the ephemeris where [time] is not given")] = (
-        2025
-    )
+    latitudes_deg: Annotated[tuple[Latitude, Latitude] | None, about("region: southern and northern border")] = None
+    longitudes_deg: Annotated[tuple[Azimuth, Azimuth] | None, about("region: western and eastern border")] = None
+    place_from_weather: Annotated[StrictBool, about("take place, month and hour from the rows of the weather table")] = False
+    year: Annotated[int, Quantity(ge=1800, le=2200, integer=True), about("year of the ephemeris where [time] is not given")] = 2025
     months: Annotated[
-        tuple[Annotated[int, Quantity(ge=1, le=12, integer=True)], ...] | None, Field(description="months that count; all", min_length=1)
+        tuple[Annotated[int, Quantity(ge=1, le=12, integer=True)], ...] | None, about("months that count; all", min_length=1)
     ] = None
-    hours_utc: Annotated[
-        tuple[Annotated[float, Quantity("h", ge=0, le=24)], Annotated[float, Quantity("h", ge=0, le=24)]],
-        Field(description="hours of the day that count, UTC"),
-    ] = (0.0, 24.0)
+    hours_utc: Annotated[tuple[_Hour, _Hour], about("hours of the day that count, UTC")] = (0.0, 24.0)
     clouds: Annotated[
         Literal["auto", "cover", "overcast", "line-of-sight"],
-        Field(
-            description="cover: the Sun is hidden with the chance of the cover; overcast: only when overcast; line-of-sight: by cover and "
+        about(
+            "cover: the Sun is hidden with the chance of the cover; overcast: only when overcast; line-of-sight: by cover and "
             "elevation; auto: cover for a single look, else overcast"
         ),
     ] = "auto"
-    overcast_cover: Annotated[float, Quantity(gt=0, le=1), Field(description="cover from which the sky is overcast")] = 0.99
-    cloud_aspect: Annotated[float, Quantity(ge=0, le=10), Field(description="height of clouds over their width, for line-of-sight")] = 0.5
-    smooth: Annotated[StrictBool, Field(description="smooth bootstrap: wind and cover of drawn rows vary about the table's")] = False
+    overcast_cover: Annotated[float, Quantity(gt=0, le=1), about("cover from which the sky is overcast")] = 0.99
+    cloud_aspect: Annotated[float, Quantity(ge=0, le=10), about("height of clouds over their width, for line-of-sight")] = 0.5
+    smooth: Annotated[StrictBool, about("smooth bootstrap: wind and cover of drawn rows vary about the table's")] = False
     quantity: Annotated[
         Literal["mean", "mean-plus-sigma", "false-alarms", "detection"],
-        Field(
-            description="mean of the mirrored Sun; the same plus sigmas standard deviations in a pixel; chance that a pixel passes the "
+        about(
+            "mean of the mirrored Sun; the same plus sigmas standard deviations in a pixel; chance that a pixel passes the "
             "threshold; chance of detection of a target whose contrast is the threshold"
         ),
     ] = "mean"
-    sigmas: Annotated[float, Quantity(ge=0, le=100), Field(description="k of mean plus k standard deviations")] = 3.0
+    sigmas: Annotated[float, Quantity(ge=0, le=100), about("k of mean plus k standard deviations")] = 3.0
     detection_curve: Annotated[
-        InputFile | None, Field(description="CSV of contrast_w_m2_sr and pd, what is detected of a target by its contrast to the glint")
+        InputFile | None, about("CSV of contrast_w_m2_sr and pd, what is detected of a target by its contrast to the glint")
     ] = None
 
     @field_validator("weather", mode="before")

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, StrictBool, model_validator
 
 from seaglint.scenario.presets import OBJECTS
-from seaglint.scenario.records.record import InputFile, Latitude, Longitude, Quantity, Record, rule
+from seaglint.scenario.records.record import InputFile, Latitude, Longitude, Quantity, Record, about, rule
 from seaglint.scenario.records.view_tables import PlaceMetres, TimedPlace
 
 _Length = Annotated[float, Quantity("m", gt=0, le=2000)]
@@ -19,70 +19,69 @@ _ShapePlace = Annotated[float, Quantity("m", ge=-5000, le=5000)]
 _Angle = Annotated[float, Quantity("deg", ge=-36_000, le=36_000)]
 
 Temperature = Annotated[float, Quantity("K", ge=100, le=4000)]
-Emissivity = Annotated[float, Quantity(ge=0, le=1)]
+_Share = Annotated[float, Quantity(ge=0, le=1)]
+Emissivity = _Share
 
 
 class Part(Record):
     """Base of all shapes: place in the object and material."""
 
     kind: str
-    at_m: Annotated[
-        tuple[_ShapePlace, _ShapePlace, _ShapePlace], Field(description="its centre in the object: [starboard, forward, up]")
-    ] = (0.0, 0.0, 0.0)
-    heading_deg: Annotated[_Angle, Field(description="its turn in the object about the vertical, clockwise from above")] = 0.0
-    pitch_deg: Annotated[_Angle, Field(description="forward end up; 90 lays the axis of a cylinder or cone along the object, tip aft")] = (
-        0.0
+    at_m: Annotated[tuple[_ShapePlace, _ShapePlace, _ShapePlace], about("its centre in the object: [starboard, forward, up]")] = (
+        0.0,
+        0.0,
+        0.0,
     )
-    roll_deg: Annotated[_Angle, Field(description="starboard side down")] = 0.0
-    temperature_k: Annotated[Temperature | None, Field(description="of its surface; default: that of what it is part of")] = None
-    emissivity: Annotated[Emissivity | None, Field(description="of its surface; the rest of 1 is reflected, in all directions alike")] = (
-        None
-    )
+    heading_deg: Annotated[_Angle, about("its turn in the object about the vertical, clockwise from above")] = 0.0
+    pitch_deg: Annotated[_Angle, about("forward end up; 90 lays the axis of a cylinder or cone along the object, tip aft")] = 0.0
+    roll_deg: Annotated[_Angle, about("starboard side down")] = 0.0
+    temperature_k: Annotated[Temperature | None, about("of its surface; default: that of what it is part of")] = None
+    emissivity: Annotated[Emissivity | None, about("of its surface; the rest of 1 is reflected, in all directions alike")] = None
 
 
 class Sphere(Part):
     """A sphere."""
 
     kind: Literal["sphere"] = "sphere"
-    radius_m: Annotated[_Length, Field(description="radius")]
+    radius_m: Annotated[_Length, about("radius")]
 
 
 class Ellipsoid(Part):
     """An ellipsoid."""
 
     kind: Literal["ellipsoid"] = "ellipsoid"
-    semi_axes_m: Annotated[tuple[_Length, _Length, _Length], Field(description="half of its width, length and height")]
+    semi_axes_m: Annotated[tuple[_Length, _Length, _Length], about("half of its width, length and height")]
 
 
 class Box(Part):
     """A box."""
 
     kind: Literal["box"] = "box"
-    size_m: Annotated[tuple[_Length, _Length, _Length], Field(description="width, length and height: to starboard, forward, up")]
+    size_m: Annotated[tuple[_Length, _Length, _Length], about("width, length and height: to starboard, forward, up")]
 
 
 class Cylinder(Part):
     """A capped cylinder, upright unless turned."""
 
     kind: Literal["cylinder"] = "cylinder"
-    radius_m: Annotated[_Length, Field(description="radius")]
-    length_m: Annotated[_Length, Field(description="length along its axis")]
+    radius_m: Annotated[_Length, about("radius")]
+    length_m: Annotated[_Length, about("length along its axis")]
 
 
 class Cone(Part):
     """A capped cone, tip up unless turned."""
 
     kind: Literal["cone"] = "cone"
-    radius_m: Annotated[_Length, Field(description="radius of its foot")]
-    length_m: Annotated[_Length, Field(description="length along its axis")]
-    top_radius_m: Annotated[float, Quantity("m", ge=0, le=2000), Field(description="radius of its upper end; 0 is a tip")] = 0.0
+    radius_m: Annotated[_Length, about("radius of its foot")]
+    length_m: Annotated[_Length, about("length along its axis")]
+    top_radius_m: Annotated[float, Quantity("m", ge=0, le=2000), about("radius of its upper end; 0 is a tip")] = 0.0
 
 
 class Wedge(Part):
     """Half of a box: full height aft, falling to nothing forward."""
 
     kind: Literal["wedge"] = "wedge"
-    size_m: Annotated[tuple[_Length, _Length, _Length], Field(description="width, length and height of the box")]
+    size_m: Annotated[tuple[_Length, _Length, _Length], about("width, length and height of the box")]
 
 
 class MeshFile(Part):
@@ -90,16 +89,13 @@ class MeshFile(Part):
 
     kind: Literal["mesh"] = "mesh"
     path: Annotated[
-        InputFile,
-        Field(description="STL, OBJ, PLY or GLB file; vertices of a PLY file may have the properties temperature [K] and emissivity"),
+        InputFile, about("STL, OBJ, PLY or GLB file; vertices of a PLY file may have the properties temperature [K] and emissivity")
     ]
-    units: Annotated[Literal["m", "mm", "cm", "km", "in", "ft"], Field(description="what the file's numbers are in")] = "m"
-    scale: Annotated[float, Quantity(gt=0, le=1e6), Field(description="factor on top of the units")] = 1.0
+    units: Annotated[Literal["m", "mm", "cm", "km", "in", "ft"], about("what the file's numbers are in")] = "m"
+    scale: Annotated[float, Quantity(gt=0, le=1e6), about("factor on top of the units")] = 1.0
     up: Annotated[
         Literal["auto", "z", "y"],
-        Field(
-            description="upward axis of the file: z (y forward) or y (z forward); auto is y for GLB, as that format has it, z for others"
-        ),
+        about("upward axis of the file: z (y forward) or y (z forward); auto is y for GLB, as that format has it, z for others"),
     ] = "auto"
 
 
@@ -107,13 +103,9 @@ class Plume(Part):
     """An ellipsoid of gas that emits and lets through."""
 
     kind: Literal["plume"] = "plume"
-    semi_axes_m: Annotated[tuple[_Length, _Length, _Length], Field(description="half of its width, length and height")]
-    co2_share: Annotated[
-        Annotated[float, Quantity(ge=0, le=1)] | None, Field(description="mole fraction of carbon dioxide at 1 atm, in place of emissivity")
-    ] = None
-    h2o_share: Annotated[
-        Annotated[float, Quantity(ge=0, le=1)] | None, Field(description="mole fraction of water vapour at 1 atm, in place of emissivity")
-    ] = None
+    semi_axes_m: Annotated[tuple[_Length, _Length, _Length], about("half of its width, length and height")]
+    co2_share: Annotated[_Share | None, about("mole fraction of carbon dioxide at 1 atm, in place of emissivity")] = None
+    h2o_share: Annotated[_Share | None, about("mole fraction of water vapour at 1 atm, in place of emissivity")] = None
 
     @property
     def gases(self) -> bool:
@@ -141,15 +133,13 @@ class Point(Record):
 
     kind: Literal["point"] = "point"
     intensity_w_sr: Annotated[
-        Annotated[float, Quantity("W/sr", ge=-1e9, le=1e9)] | None, Field(description="in-band radiant intensity, before the path")
+        Annotated[float, Quantity("W/sr", ge=-1e9, le=1e9)] | None, about("in-band radiant intensity, before the path")
     ] = None
     temperature_difference_k: Annotated[
-        Annotated[float, Quantity("K", ge=-300, le=3000)] | None, Field(description="apparent, to what is behind it; with area_m2")
+        Annotated[float, Quantity("K", ge=-300, le=3000)] | None, about("apparent, to what is behind it; with area_m2")
     ] = None
-    area_m2: Annotated[Annotated[float, Quantity("m^2", gt=0, le=1e6)] | None, Field(description="projected area")] = None
-    temperature_k: Annotated[
-        Temperature | None, Field(description="of the blackbody with the spectrum of intensity_w_sr; default: no spectrum")
-    ] = None
+    area_m2: Annotated[Annotated[float, Quantity("m^2", gt=0, le=1e6)] | None, about("projected area")] = None
+    temperature_k: Annotated[Temperature | None, about("of the blackbody with the spectrum of intensity_w_sr; default: no spectrum")] = None
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -165,21 +155,21 @@ class Union(Part):
     """All of its parts together."""
 
     kind: Literal["union"] = "union"
-    parts: Annotated[tuple[Shape, ...], Field(description="list of shapes, each a table; plumes stay gas")]
+    parts: Annotated[tuple[Shape, ...], about("list of shapes, each a table; plumes stay gas")]
 
 
 class Intersection(Part):
     """The volume that all of its parts have in common."""
 
     kind: Literal["intersection"] = "intersection"
-    parts: Annotated[tuple[Shape, ...], Field(description="list of shapes, each a table")]
+    parts: Annotated[tuple[Shape, ...], about("list of shapes, each a table")]
 
 
 class Difference(Part):
     """Its first part without the others."""
 
     kind: Literal["difference"] = "difference"
-    parts: Annotated[tuple[Shape, ...], Field(description="list of shapes, each a table; the others cut out of the first")]
+    parts: Annotated[tuple[Shape, ...], about("list of shapes, each a table; the others cut out of the first")]
 
 
 Shape = Annotated[
@@ -198,12 +188,12 @@ _Height = Annotated[float, Quantity("m", ge=-1000, le=100_000)]
 class ObjectKeyframe(TimedPlace):
     """Where an object is at one time; what is left out stays as the object's own keys say."""
 
-    height_m: Annotated[_Height | None, Field(description="height of its centre above the mean sea")] = None
-    latitude_deg: Annotated[Latitude | None, Field(description="latitude, instead of metres")] = None
-    longitude_deg: Annotated[Longitude | None, Field(description="longitude, instead of metres")] = None
-    heading_deg: Annotated[_Angle | None, Field(description="azimuth of its forward end; default: along its way")] = None
-    pitch_deg: Annotated[_Angle | None, Field(description="forward end up")] = None
-    roll_deg: Annotated[_Angle | None, Field(description="starboard side down")] = None
+    height_m: Annotated[_Height | None, about("height of its centre above the mean sea")] = None
+    latitude_deg: Annotated[Latitude | None, about("latitude, instead of metres")] = None
+    longitude_deg: Annotated[Longitude | None, about("longitude, instead of metres")] = None
+    heading_deg: Annotated[_Angle | None, about("azimuth of its forward end; default: along its way")] = None
+    pitch_deg: Annotated[_Angle | None, about("forward end up")] = None
+    roll_deg: Annotated[_Angle | None, about("starboard side down")] = None
 
 
 def with_names(items: Any) -> Any:
@@ -222,8 +212,7 @@ def with_names(items: Any) -> Any:
     taken = {item["name"] for item in items if isinstance(item, Mapping) and isinstance(item.get("name"), str)}
     out = []
     for item in items:
-        name = _natural_name(item)
-        if name is not None:
+        if (name := _natural_name(item)) is not None:
             numbered, number = name, 1
             while numbered in taken:
                 number += 1
@@ -268,43 +257,34 @@ class Object(Record):
             "buoy", "swimmer", "small-boat", "sailing-yacht", "container-ship", "fishing-vessel", "drone", "light-aircraft", "bird-flock"
         ]
         | None,
-        Field(description="shape, material and draught of public dimensions; instead of shape"),
+        about("shape, material and draught of public dimensions; instead of shape"),
     ] = None
-    shape: Annotated[Shape | None, Field(description="its shape")] = None
-    temperature_k: Annotated[
-        Temperature | None, Field(description="of its surface; needed unless all parts or the mesh have their own")
-    ] = None
-    emissivity: Annotated[Emissivity, Field(description="of its surface; the rest of 1 is reflected, in all directions alike")] = 0.95
-    east_m: Annotated[PlaceMetres | None, Field(description="position east of the sensor's start")] = None
-    north_m: Annotated[PlaceMetres | None, Field(description="position north of the sensor's start")] = None
-    latitude_deg: Annotated[Latitude | None, Field(description="latitude, instead of metres; needs [place], where the sensor starts")] = (
-        None
-    )
-    longitude_deg: Annotated[Longitude | None, Field(description="longitude, instead of metres")] = None
-    height_m: Annotated[_Height | None, Field(description="height of its centre above the mean sea; default: 0 for what floats")] = None
+    shape: Annotated[Shape | None, about("its shape")] = None
+    temperature_k: Annotated[Temperature | None, about("of its surface; needed unless all parts or the mesh have their own")] = None
+    emissivity: Annotated[Emissivity, about("of its surface; the rest of 1 is reflected, in all directions alike")] = 0.95
+    east_m: Annotated[PlaceMetres | None, about("position east of the sensor's start")] = None
+    north_m: Annotated[PlaceMetres | None, about("position north of the sensor's start")] = None
+    latitude_deg: Annotated[Latitude | None, about("latitude, instead of metres; needs [place], where the sensor starts")] = None
+    longitude_deg: Annotated[Longitude | None, about("longitude, instead of metres")] = None
+    height_m: Annotated[_Height | None, about("height of its centre above the mean sea; default: 0 for what floats")] = None
     draught_m: Annotated[
-        Annotated[float, Quantity("m", gt=0, le=100)] | None,
-        Field(description="depth of its lowest point under water, instead of height_m"),
+        Annotated[float, Quantity("m", gt=0, le=100)] | None, about("depth of its lowest point under water, instead of height_m")
     ] = None
-    heading_deg: Annotated[_Angle | None, Field(description="azimuth of its forward end, clockwise from north; default: along its way")] = (
-        None
-    )
-    pitch_deg: Annotated[_Angle, Field(description="forward end up")] = 0.0
-    roll_deg: Annotated[_Angle, Field(description="starboard side down")] = 0.0
-    course_deg: Annotated[_Angle | None, Field(description="azimuth of its motion; with speed_m_s")] = None
-    speed_m_s: Annotated[Annotated[float, Quantity("m/s", ge=0, le=1000)] | None, Field(description="speed on its course")] = None
+    heading_deg: Annotated[_Angle | None, about("azimuth of its forward end, clockwise from north; default: along its way")] = None
+    pitch_deg: Annotated[_Angle, about("forward end up")] = 0.0
+    roll_deg: Annotated[_Angle, about("starboard side down")] = 0.0
+    course_deg: Annotated[_Angle | None, about("azimuth of its motion; with speed_m_s")] = None
+    speed_m_s: Annotated[Annotated[float, Quantity("m/s", ge=0, le=1000)] | None, about("speed on its course")] = None
     track: Annotated[
         InputFile | None,
-        Field(
-            description="CSV file with a column time_s and any of east_m, north_m, height_m, latitude_deg, longitude_deg, heading_deg, "
+        about(
+            "CSV file with a column time_s and any of east_m, north_m, height_m, latitude_deg, longitude_deg, heading_deg, "
             "pitch_deg, roll_deg"
         ),
     ] = None
-    keyframes: Annotated[tuple[ObjectKeyframe, ...] | None, Field(description="list of keyframes, the columns of the file as keys")] = None
-    path: Annotated[
-        Literal["spline", "straight"], Field(description="between keyframes: a smooth curve through them, or straight lines")
-    ] = "spline"
-    floats: Annotated[StrictBool, Field(description="true: it heaves, pitches and rolls with the waves at its place")] = False
+    keyframes: Annotated[tuple[ObjectKeyframe, ...] | None, about("list of keyframes, the columns of the file as keys")] = None
+    path: Annotated[Literal["spline", "straight"], about("between keyframes: a smooth curve through them, or straight lines")] = "spline"
+    floats: Annotated[StrictBool, about("true: it heaves, pitches and rolls with the waves at its place")] = False
 
     @model_validator(mode="before")
     @classmethod

@@ -15,7 +15,16 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Final, TypeVar
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationInfo,
+)
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
@@ -277,6 +286,11 @@ class Record(BaseModel):
         # Derived values replace keys of the same name, for example a default that follows from other tables.
         values = self.in_si() | derived
         return kind(**{one.name: values[one.name] for one in fields(kind) if one.name in values})  # type: ignore[arg-type]
+
+
+def about(text: str, **constraints: Any) -> Any:
+    """Return the field of a key with its description; ``constraints`` are further parameters of :func:`pydantic.Field`."""
+    return Field(description=text, **constraints)
 
 
 def rule(key: str, text: str, *, value: Any = None, allowed: Allowed = None) -> PydanticCustomError:

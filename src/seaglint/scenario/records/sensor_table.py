@@ -13,49 +13,47 @@ from pydantic import BeforeValidator, Field, StrictBool, TypeAdapter, Validation
 
 from seaglint.base.limits import SHAKEN, SMEARED, TOP_OF_AIR, WIDEST_PINHOLE_DEG
 from seaglint.base.reports import REPORTS
-from seaglint.scenario.records.record import Azimuth, InputFile, Quantity, Record, default_tag, rule
+from seaglint.scenario.records.record import Azimuth, InputFile, Quantity, Record, about, default_tag, rule
+
+_Exposure = Annotated[float, Quantity("s", gt=0, le=1e4)]
+_FNumber = Annotated[float, Quantity(ge=0.5, le=200)]
+_Side = Annotated[int, Quantity(ge=1, le=65_536, integer=True)]
 
 
 class PhotonDetector(Record):
     """Pixels that count photons: InSb, MCT and others; what is left out is neutral."""
 
     kind: Literal["photon"] = "photon"
-    pitch_um: Annotated[float, Quantity("um", gt=0, le=1000), Field(description="distance of the pixels' centres")]
-    fill_factor: Annotated[float, Quantity(gt=0, le=1), Field(description="share of a pixel's area that is sensitive")] = 1.0
-    integration_time_s: Annotated[
-        Annotated[float, Quantity("s", gt=0, le=1e4)] | None, Field(description="integration time; default: a whole frame")
-    ] = None
+    pitch_um: Annotated[float, Quantity("um", gt=0, le=1000), about("distance of the pixels' centres")]
+    fill_factor: Annotated[float, Quantity(gt=0, le=1), about("share of a pixel's area that is sensitive")] = 1.0
+    integration_time_s: Annotated[_Exposure | None, about("integration time; default: a whole frame")] = None
     short_integration_time_s: Annotated[
-        Annotated[float, Quantity("s", gt=0, le=1e4)] | None,
-        Field(description="second, shorter integration after the first, taken where that saturates (high dynamic range)"),
+        _Exposure | None, about("second, shorter integration after the first, taken where that saturates (high dynamic range)")
     ] = None
-    quantum_efficiency: Annotated[float, Quantity(gt=0, le=1), Field(description="electrons for each photon in the band")] = 1.0
+    quantum_efficiency: Annotated[float, Quantity(gt=0, le=1), about("electrons for each photon in the band")] = 1.0
     quantum_efficiency_file: Annotated[
-        InputFile | None,
-        Field(description="CSV file with columns wavelength_um, response; its peak is quantum_efficiency, over the whole band"),
+        InputFile | None, about("CSV file with columns wavelength_um, response; its peak is quantum_efficiency, over the whole band")
     ] = None
     well_capacity_e: Annotated[
-        Annotated[float, Quantity("", gt=0, le=1e12)] | None, Field(description="electrons that a pixel holds; any number where left out")
+        Annotated[float, Quantity("", gt=0, le=1e12)] | None, about("electrons that a pixel holds; any number where left out")
     ] = None
-    read_noise_e: Annotated[float, Quantity("", ge=0, le=1e9), Field(description="rms noise of a reading in electrons")] = 0.0
-    dark_current_e_s: Annotated[float, Quantity("", ge=0, le=1e15), Field(description="dark current in electrons per second")] = 0.0
-    bit_depth: Annotated[int, Quantity(ge=1, le=16, integer=True), Field(description="bits of a count")] = 16
+    read_noise_e: Annotated[float, Quantity("", ge=0, le=1e9), about("rms noise of a reading in electrons")] = 0.0
+    dark_current_e_s: Annotated[float, Quantity("", ge=0, le=1e15), about("dark current in electrons per second")] = 0.0
+    bit_depth: Annotated[int, Quantity(ge=1, le=16, integer=True), about("bits of a count")] = 16
     gain_e_per_count: Annotated[
         Annotated[float, Quantity("", gt=0, le=1e9)] | None,
-        Field(description="electrons for each count; where left out a full well (or a blackbody of 400 K) fills the counts"),
+        about("electrons for each count; where left out a full well (or a blackbody of 400 K) fills the counts"),
     ] = None
-    offset_counts: Annotated[float, Quantity("", ge=0, le=65_535), Field(description="counts without electrons")] = 0.0
-    crosstalk: Annotated[float, Quantity(ge=0, le=0.8), Field(description="share of the electrons that the four neighbours get")] = 0.0
+    offset_counts: Annotated[float, Quantity("", ge=0, le=65_535), about("counts without electrons")] = 0.0
+    crosstalk: Annotated[float, Quantity(ge=0, le=0.8), about("share of the electrons that the four neighbours get")] = 0.0
     netd_k: Annotated[
         Annotated[float, Quantity("K", gt=0, le=100)] | None,
-        Field(
-            description="noise-equivalent temperature difference of the data sheet: gives the read noise beside integration_time_s, the "
+        about(
+            "noise-equivalent temperature difference of the data sheet: gives the read noise beside integration_time_s, the "
             "integration time without it"
         ),
     ] = None
-    netd_temperature_k: Annotated[
-        float, Quantity("K", ge=200, le=400), Field(description="blackbody temperature for which netd_k is stated")
-    ] = 300.0
+    netd_temperature_k: Annotated[float, Quantity("K", ge=200, le=400), about("blackbody temperature for which netd_k is stated")] = 300.0
 
     @model_validator(mode="after")
     def _is_possible(self) -> Self:
@@ -79,18 +77,16 @@ class ThermalDetector(Record):
     """Pixels that answer to absorbed power, with a lag and the noise that a data sheet states: microbolometers."""
 
     kind: Literal["thermal"]
-    pitch_um: Annotated[float, Quantity("um", gt=0, le=1000), Field(description="distance of the pixels' centres")]
-    netd_k: Annotated[float, Quantity("K", gt=0, le=100), Field(description="noise-equivalent temperature difference of the data sheet")]
-    netd_f_number: Annotated[float, Quantity(ge=0.5, le=20), Field(description="f-number of the optics for which netd_k is stated")] = 1.0
-    netd_temperature_k: Annotated[
-        float, Quantity("K", ge=200, le=400), Field(description="blackbody temperature for which netd_k is stated")
-    ] = 300.0
-    time_constant_s: Annotated[float, Quantity("s", ge=0, le=10), Field(description="time constant of the exponential lag")] = 0.0
-    fill_factor: Annotated[float, Quantity(gt=0, le=1), Field(description="share of a pixel's area that absorbs")] = 1.0
-    absorptance: Annotated[float, Quantity(gt=0, le=1), Field(description="share of the power that is absorbed")] = 1.0
-    full_scale_k: Annotated[float, Quantity("K", ge=300, le=3000), Field(description="blackbody that fills the counts")] = 433.15
-    bit_depth: Annotated[int, Quantity(ge=1, le=16, integer=True), Field(description="bits of a count")] = 16
-    offset_counts: Annotated[float, Quantity("", ge=0, le=65_535), Field(description="counts without power")] = 0.0
+    pitch_um: Annotated[float, Quantity("um", gt=0, le=1000), about("distance of the pixels' centres")]
+    netd_k: Annotated[float, Quantity("K", gt=0, le=100), about("noise-equivalent temperature difference of the data sheet")]
+    netd_f_number: Annotated[float, Quantity(ge=0.5, le=20), about("f-number of the optics for which netd_k is stated")] = 1.0
+    netd_temperature_k: Annotated[float, Quantity("K", ge=200, le=400), about("blackbody temperature for which netd_k is stated")] = 300.0
+    time_constant_s: Annotated[float, Quantity("s", ge=0, le=10), about("time constant of the exponential lag")] = 0.0
+    fill_factor: Annotated[float, Quantity(gt=0, le=1), about("share of a pixel's area that absorbs")] = 1.0
+    absorptance: Annotated[float, Quantity(gt=0, le=1), about("share of the power that is absorbed")] = 1.0
+    full_scale_k: Annotated[float, Quantity("K", ge=300, le=3000), about("blackbody that fills the counts")] = 433.15
+    bit_depth: Annotated[int, Quantity(ge=1, le=16, integer=True), about("bits of a count")] = 16
+    offset_counts: Annotated[float, Quantity("", ge=0, le=65_535), about("counts without power")] = 0.0
 
     @model_validator(mode="after")
     def _is_possible(self) -> Self:
@@ -115,30 +111,28 @@ Share = Quantity(ge=0, le=1)
 class Noise(Record):
     """Noise in units of the signal: electrons of a photon detector, nanowatts of a thermal one."""
 
-    temporal: Annotated[StrictBool, Field(description="noise that changes from frame to frame: shot, dark, read, 1/f")] = True
-    fixed_pattern: Annotated[StrictBool, Field(description="what stays: gain and offset of the pixels, dead, hot and blinking ones")] = True
-    one_over_f: Annotated[float, Rms, Field(description="rms of a pixel's 1/f noise over a thousand frames")] = 0.0
-    frame: Annotated[float, Rms, Field(description="rms of what a whole frame has in common, anew in each (T)")] = 0.0
-    row: Annotated[float, Rms, Field(description="rms of the rows' fixed offsets (V)")] = 0.0
-    column: Annotated[float, Rms, Field(description="rms of the columns' fixed offsets (H)")] = 0.0
-    row_temporal: Annotated[float, Rms, Field(description="rms of the rows' offsets that are new in each frame (TV)")] = 0.0
-    column_temporal: Annotated[float, Rms, Field(description="rms of the columns' offsets that are new in each frame (TH)")] = 0.0
-    gain_spread: Annotated[float, Share, Field(description="rms relative spread of the pixels' gain (PRNU)")] = 0.0
-    offset_spread: Annotated[float, Rms, Field(description="rms spread of the pixels' offset (VH)")] = 0.0
-    curvature_spread: Annotated[
-        float, Share, Field(description="rms spread of the relative deviation from a straight line at full scale")
-    ] = 0.0
+    temporal: Annotated[StrictBool, about("noise that changes from frame to frame: shot, dark, read, 1/f")] = True
+    fixed_pattern: Annotated[StrictBool, about("what stays: gain and offset of the pixels, dead, hot and blinking ones")] = True
+    one_over_f: Annotated[float, Rms, about("rms of a pixel's 1/f noise over a thousand frames")] = 0.0
+    frame: Annotated[float, Rms, about("rms of what a whole frame has in common, anew in each (T)")] = 0.0
+    row: Annotated[float, Rms, about("rms of the rows' fixed offsets (V)")] = 0.0
+    column: Annotated[float, Rms, about("rms of the columns' fixed offsets (H)")] = 0.0
+    row_temporal: Annotated[float, Rms, about("rms of the rows' offsets that are new in each frame (TV)")] = 0.0
+    column_temporal: Annotated[float, Rms, about("rms of the columns' offsets that are new in each frame (TH)")] = 0.0
+    gain_spread: Annotated[float, Share, about("rms relative spread of the pixels' gain (PRNU)")] = 0.0
+    offset_spread: Annotated[float, Rms, about("rms spread of the pixels' offset (VH)")] = 0.0
+    curvature_spread: Annotated[float, Share, about("rms spread of the relative deviation from a straight line at full scale")] = 0.0
     corrected_at_k: Annotated[
         tuple[Annotated[float, Quantity("K", ge=200, le=1000)], Annotated[float, Quantity("K", ge=200, le=1000)]] | None,
-        Field(description="two-point correction at blackbodies of these temperatures: takes the spreads of gain and offset off"),
+        about("two-point correction at blackbodies of these temperatures: takes the spreads of gain and offset off"),
     ] = None
-    drift_per_hour: Annotated[float, Rms, Field(description="rms change of the pixels' offsets in an hour since the first frame")] = 0.0
-    dead_share: Annotated[float, Share, Field(description="share of the pixels that see nothing")] = 0.0
-    hot_share: Annotated[float, Share, Field(description="share of the pixels with a high dark signal")] = 0.0
-    hot_signal: Annotated[float, Rms, Field(description="their dark signal")] = 0.0
-    blinking_share: Annotated[float, Share, Field(description="share of the pixels that jump between two levels")] = 0.0
-    blinking_signal: Annotated[float, Rms, Field(description="distance of the levels")] = 0.0
-    blinking_time_s: Annotated[float, Quantity("s", gt=0, le=1e6), Field(description="mean time between jumps")] = 1.0
+    drift_per_hour: Annotated[float, Rms, about("rms change of the pixels' offsets in an hour since the first frame")] = 0.0
+    dead_share: Annotated[float, Share, about("share of the pixels that see nothing")] = 0.0
+    hot_share: Annotated[float, Share, about("share of the pixels with a high dark signal")] = 0.0
+    hot_signal: Annotated[float, Rms, about("their dark signal")] = 0.0
+    blinking_share: Annotated[float, Share, about("share of the pixels that jump between two levels")] = 0.0
+    blinking_signal: Annotated[float, Rms, about("distance of the levels")] = 0.0
+    blinking_time_s: Annotated[float, Quantity("s", gt=0, le=1e6), about("mean time between jumps")] = 1.0
 
     @model_validator(mode="after")
     def _shares_fit(self) -> Self:
@@ -155,46 +149,41 @@ class Noise(Record):
 class Optics(Record):
     """Aperture, focal length, blur and losses; what is left out is neutral."""
 
-    aperture_m: Annotated[Annotated[float, Quantity("m", gt=0, le=10)] | None, Field(description="diameter of the entrance pupil")] = None
-    f_number: Annotated[
-        Annotated[float, Quantity(ge=0.5, le=200)] | None, Field(description="focal length over aperture; 0.5 is the sine condition's end")
-    ] = None
-    focal_length_m: Annotated[Annotated[float, Quantity("m", gt=0, le=100)] | None, Field(description="focal length")] = None
+    aperture_m: Annotated[Annotated[float, Quantity("m", gt=0, le=10)] | None, about("diameter of the entrance pupil")] = None
+    f_number: Annotated[_FNumber | None, about("focal length over aperture; 0.5 is the sine condition's end")] = None
+    focal_length_m: Annotated[Annotated[float, Quantity("m", gt=0, le=100)] | None, about("focal length")] = None
     ifov_urad: Annotated[
         Annotated[float, Quantity("urad", gt=0, le=1e5)] | None,
-        Field(description="angle between pixels, pitch over focal length; one of several ways to give the focal length"),
+        about("angle between pixels, pitch over focal length; one of several ways to give the focal length"),
     ] = None
-    transmission: Annotated[float, Quantity(gt=0, le=1), Field(description="transmission of the optics in the band")] = 1.0
-    obscuration: Annotated[float, Quantity(ge=0, lt=1), Field(description="diameter of the central obscuration over that of the pupil")] = (
-        0.0
-    )
+    transmission: Annotated[float, Quantity(gt=0, le=1), about("transmission of the optics in the band")] = 1.0
+    obscuration: Annotated[float, Quantity(ge=0, lt=1), about("diameter of the central obscuration over that of the pupil")] = 0.0
     wavefront_error_waves: Annotated[
-        float, Quantity(ge=0, le=0.18), Field(description="rms wavefront error in waves of the mean wavelength (Shannon's fit)")
+        float, Quantity(ge=0, le=0.18), about("rms wavefront error in waves of the mean wavelength (Shannon's fit)")
     ] = 0.0
     defocus_waves: Annotated[
-        float, Quantity(ge=0, le=10), Field(description="path error of defocus at the pupil's edge, in waves of the mean wavelength")
+        float, Quantity(ge=0, le=10), about("path error of defocus at the pupil's edge, in waves of the mean wavelength")
     ] = 0.0
     jitter_urad: Annotated[
-        float, Quantity("urad", ge=0, le=1e5), Field(description="rms movement of the line of sight in an exposure, each direction")
+        float, Quantity("urad", ge=0, le=1e5), about("rms movement of the line of sight in an exposure, each direction")
     ] = 0.0
-    drift_along_urad_s: Annotated[
-        float, Quantity("urad/s", ge=-1e8, le=1e8), Field(description="steady movement of the line of sight along rows")
-    ] = 0.0
-    drift_across_urad_s: Annotated[float, Quantity("urad/s", ge=-1e8, le=1e8), Field(description="the same across rows")] = 0.0
+    drift_along_urad_s: Annotated[float, Quantity("urad/s", ge=-1e8, le=1e8), about("steady movement of the line of sight along rows")] = (
+        0.0
+    )
+    drift_across_urad_s: Annotated[float, Quantity("urad/s", ge=-1e8, le=1e8), about("the same across rows")] = 0.0
     solid_angle: Annotated[
         Literal["sine", "thin-lens"],
-        Field(description="pi/(4F^2) of optics that obey the sine condition, or pi/(4F^2 + 1) of a thin lens; 6 % apart at F/2"),
+        about("pi/(4F^2) of optics that obey the sine condition, or pi/(4F^2 + 1) of a thin lens; 6 % apart at F/2"),
     ] = "sine"
-    temperature_k: Annotated[float, Quantity("K", ge=50, le=400), Field(description="temperature of warm optics and housing")] = 293.15
-    emissivity: Annotated[float, Quantity(ge=0, le=1), Field(description="emissivity of warm optics, 1 - transmission for lenses")] = 0.0
+    temperature_k: Annotated[float, Quantity("K", ge=50, le=400), about("temperature of warm optics and housing")] = 293.15
+    emissivity: Annotated[float, Quantity(ge=0, le=1), about("emissivity of warm optics, 1 - transmission for lenses")] = 0.0
     cold_shield_f_number: Annotated[
-        Annotated[float, Quantity(ge=0.5, le=200)] | None,
-        Field(description="f-number of the cold shield; below that of the optics it lets the warm housing in, else it fits"),
+        _FNumber | None, about("f-number of the cold shield; below that of the optics it lets the warm housing in, else it fits")
     ] = None
-    stray_share: Annotated[float, Quantity(ge=0, lt=1), Field(description="share of the light scattered evenly over the picture")] = 0.0
-    cos4: Annotated[StrictBool, Field(description="illumination falls with the fourth power of the field angle's cosine")] = False
+    stray_share: Annotated[float, Quantity(ge=0, lt=1), about("share of the light scattered evenly over the picture")] = 0.0
+    cos4: Annotated[StrictBool, about("illumination falls with the fourth power of the field angle's cosine")] = False
     distortion: Annotated[
-        float, Quantity(ge=-0.3, le=0.3), Field(description="relative radial shift of the picture's corners; positive is pincushion")
+        float, Quantity(ge=-0.3, le=0.3), about("relative radial shift of the picture's corners; positive is pincushion")
     ] = 0.0
 
 
@@ -202,16 +191,15 @@ class Scan(Record):
     """Staring array, line scanner or rotating panoramic scanner."""
 
     kind: Annotated[
-        Literal["staring", "line", "panoramic"],
-        Field(description="all columns at once; one after the other; or round and round over 360 deg"),
+        Literal["staring", "line", "panoramic"], about("all columns at once; one after the other; or round and round over 360 deg")
     ] = "staring"
     period_s: Annotated[
         Annotated[float, Quantity("s", ge=0, le=1e5)] | None,
-        Field(description="time of a scan or a turn; default: a frame; 0 takes all columns at once"),
+        about("time of a scan or a turn; default: a frame; 0 takes all columns at once"),
     ] = None
-    direction: Annotated[Literal["right", "left"], Field(description="way in which a scanner goes; right is clockwise")] = "right"
+    direction: Annotated[Literal["right", "left"], about("way in which a scanner goes; right is clockwise")] = "right"
     row_time_s: Annotated[
-        float, Quantity("s", ge=0, le=1), Field(description="time from row to row of a rolling shutter, from the top; 0 is a global one")
+        float, Quantity("s", ge=0, le=1), about("time from row to row of a rolling shutter, from the top; 0 is a global one")
     ] = 0.0
 
     @model_validator(mode="after")
@@ -257,42 +245,39 @@ class Sensor(Record):
         float,
         Quantity("m", gt=0, le=HIGHEST_SENSOR, advice="for a satellite write 'space', the top of the air"),
         BeforeValidator(_from_space),
-        Field(description="height above the mean sea, or 'space' for the top of the air, 100 km; with the table atmosphere 2 m to 10 km"),
+        about("height above the mean sea, or 'space' for the top of the air, 100 km; with the table atmosphere 2 m to 10 km"),
     ] = 30.0
-    azimuth_deg: Annotated[Azimuth, Field(description="azimuth of the image centre, clockwise from north")] = 180.0
+    azimuth_deg: Annotated[Azimuth, about("azimuth of the image centre, clockwise from north")] = 180.0
     elevation_deg: Annotated[
-        float, Quantity("deg", ge=-90, le=90), Field(description="elevation of the image centre; horizontal 0, looking down negative")
+        float, Quantity("deg", ge=-90, le=90), about("elevation of the image centre; horizontal 0, looking down negative")
     ] = -3.5
     roll_deg: Annotated[
         float,
         Quantity("deg", ge=-360, le=360),
-        Field(description="turn about the line of sight, clockwise as seen from behind the sensor (right side down)"),
+        about("turn about the line of sight, clockwise as seen from behind the sensor (right side down)"),
     ] = 0.0
     projection: Annotated[
         Literal["equal-angle", "pinhole"],
-        Field(description="equal steps of azimuth and elevation (a scanner, panoramas), or a plane image behind a lens"),
+        about("equal steps of azimuth and elevation (a scanner, panoramas), or a plane image behind a lens"),
     ] = "equal-angle"
     fov_deg: Annotated[
         tuple[Annotated[float, Quantity("deg", gt=0, le=360)], Annotated[float, Quantity("deg", gt=0, le=180)]],
-        Field(description="field of view [width, height]"),
+        about("field of view [width, height]"),
     ] = (16.0, 8.0)
-    pixels: Annotated[
-        tuple[Annotated[int, Quantity(ge=1, le=65_536, integer=True)], Annotated[int, Quantity(ge=1, le=65_536, integer=True)]],
-        Field(description="number of pixels [width, height]"),
-    ] = _PIXELS
+    pixels: Annotated[tuple[_Side, _Side], about("number of pixels [width, height]")] = _PIXELS
     pixel_shape: Annotated[
         Literal["auto", "square", "any"],
-        Field(
-            description="auto refuses fields of view that disagree with the pixels (sides beyond 3:1, or 1.5:1 with width and height "
+        about(
+            "auto refuses fields of view that disagree with the pixels (sides beyond 3:1, or 1.5:1 with width and height "
             "reversed); square refuses pixels not square within 1 %; any refuses none"
         ),
     ] = "auto"
-    frame_rate_hz: Annotated[float, Quantity("Hz", ge=1e-5, le=100_000), Field(description="frames per second")] = 25.0
-    frames: Annotated[int, Quantity(ge=1, le=10_000_000, integer=True), Field(description="number of frames")] = 100
-    optics: Annotated[Optics | None, Field(description="optics; with the detector they make counts of radiance")] = None
-    detector: Annotated[Detector | None, Field(description="the detector's pixels")] = None
-    scan: Annotated[Scan | None, Field(description="when each column and row is taken; all at once without it")] = None
-    noise: Annotated[Noise | None, Field(description="what the detector adds beyond shot, dark and read noise")] = None
+    frame_rate_hz: Annotated[float, Quantity("Hz", ge=1e-5, le=100_000), about("frames per second")] = 25.0
+    frames: Annotated[int, Quantity(ge=1, le=10_000_000, integer=True), about("number of frames")] = 100
+    optics: Annotated[Optics | None, about("optics; with the detector they make counts of radiance")] = None
+    detector: Annotated[Detector | None, about("the detector's pixels")] = None
+    scan: Annotated[Scan | None, about("when each column and row is taken; all at once without it")] = None
+    noise: Annotated[Noise | None, about("what the detector adds beyond shot, dark and read noise")] = None
 
     @property
     def ifov_deg(self) -> tuple[float, float]:

@@ -8,36 +8,34 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, model_validator
+from pydantic import StrictBool, model_validator
 
 from seaglint.base.limits import TABLE_BANDS_UM
 from seaglint.base.schema import Layer
-from seaglint.scenario.records.record import Azimuth, InputFile, Latitude, Longitude, Quantity, Record, Utc, rule
+from seaglint.scenario.records.record import Azimuth, InputFile, Latitude, Longitude, Quantity, Record, Utc, about, rule
 from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
 
 
 class Time(Record):
     """When: with ``[place]`` it gives the Sun's position and distance."""
 
-    utc: Annotated[Utc, Field(description="UTC date and time of the first frame, e.g. 2026-06-21T17:30:00Z")]
+    utc: Annotated[Utc, about("UTC date and time of the first frame, e.g. 2026-06-21T17:30:00Z")]
 
 
 class Place(Record):
     """Where: with ``[time]`` it gives the Sun's position."""
 
-    latitude_deg: Annotated[Latitude, Field(description="latitude, north positive")]
-    longitude_deg: Annotated[Longitude, Field(description="longitude, east positive")]
+    latitude_deg: Annotated[Latitude, about("latitude, north positive")]
+    longitude_deg: Annotated[Longitude, about("longitude, east positive")]
 
 
 class Sun(Record):
     """The Sun's position given directly, at 1 au; instead of ``[time]`` and ``[place]``."""
 
     zenith_deg: Annotated[
-        float,
-        Quantity("deg", ge=0, le=180),
-        Field(description="zenith angle of the Sun's centre; above 90 it is below the horizontal: no glint"),
+        float, Quantity("deg", ge=0, le=180), about("zenith angle of the Sun's centre; above 90 it is below the horizontal: no glint")
     ] = 75.0
-    azimuth_deg: Annotated[Azimuth, Field(description="azimuth of the Sun, clockwise from north")] = 180.0
+    azimuth_deg: Annotated[Azimuth, about("azimuth of the Sun, clockwise from north")] = 180.0
 
 
 PlaceMetres = Annotated[float, Quantity("m", ge=-1e6, le=1e6)]  #: Position towards east or north.
@@ -46,26 +44,21 @@ PlaceMetres = Annotated[float, Quantity("m", ge=-1e6, le=1e6)]  #: Position towa
 class TimedPlace(Record):
     """Time and place that keyframes of the sensor and of objects share."""
 
-    time_s: Annotated[float, Quantity("s", ge=-1e7, le=1e7), Field(description="time from the first frame")]
-    east_m: Annotated[PlaceMetres | None, Field(description="position towards east")] = None
-    north_m: Annotated[PlaceMetres | None, Field(description="position towards north")] = None
+    time_s: Annotated[float, Quantity("s", ge=-1e7, le=1e7), about("time from the first frame")]
+    east_m: Annotated[PlaceMetres | None, about("position towards east")] = None
+    north_m: Annotated[PlaceMetres | None, about("position towards north")] = None
+
+
+_Turn = Annotated[float, Quantity("deg", ge=-36_000, le=36_000)]
 
 
 class Keyframe(TimedPlace):
     """Where a moving sensor is at one time; what is left out stays as [sensor] says (east and north: 0)."""
 
-    height_m: Annotated[Annotated[float, Quantity("m", gt=0, le=HIGHEST_SENSOR)] | None, Field(description="height above the mean sea")] = (
-        None
-    )
-    azimuth_deg: Annotated[
-        Annotated[float, Quantity("deg", ge=-36_000, le=36_000)] | None, Field(description="azimuth of the image centre")
-    ] = None
-    elevation_deg: Annotated[
-        Annotated[float, Quantity("deg", ge=-90, le=90)] | None, Field(description="elevation of the image centre")
-    ] = None
-    roll_deg: Annotated[
-        Annotated[float, Quantity("deg", ge=-36_000, le=36_000)] | None, Field(description="turn about the line of sight, right side down")
-    ] = None
+    height_m: Annotated[Annotated[float, Quantity("m", gt=0, le=HIGHEST_SENSOR)] | None, about("height above the mean sea")] = None
+    azimuth_deg: Annotated[_Turn | None, about("azimuth of the image centre")] = None
+    elevation_deg: Annotated[Annotated[float, Quantity("deg", ge=-90, le=90)] | None, about("elevation of the image centre")] = None
+    roll_deg: Annotated[_Turn | None, about("turn about the line of sight, right side down")] = None
 
 
 class Platform(Record):
@@ -73,23 +66,21 @@ class Platform(Record):
 
     track: Annotated[
         InputFile | None,
-        Field(
-            description="CSV file with a column time_s and any of east_m, north_m, height_m, azimuth_deg, elevation_deg, roll_deg; instead "
-            "of keyframes"
+        about(
+            "CSV file with a column time_s and any of east_m, north_m, height_m, azimuth_deg, elevation_deg, roll_deg; instead of keyframes"
         ),
     ] = None
-    keyframes: Annotated[tuple[Keyframe, ...] | None, Field(description="list of keyframes, the columns of the file as keys")] = None
+    keyframes: Annotated[tuple[Keyframe, ...] | None, about("list of keyframes, the columns of the file as keys")] = None
 
     floats: Annotated[
-        StrictBool,
-        Field(description="true: the sensor heaves, pitches and rolls with the waves under its vessel, about the keyframes if any"),
+        StrictBool, about("true: the sensor heaves, pitches and rolls with the waves under its vessel, about the keyframes if any")
     ] = False
     waterline_m: Annotated[
         tuple[Annotated[float, Quantity("m", gt=0, le=100)], Annotated[float, Quantity("m", gt=0, le=500)]],
-        Field(description="waterline [width, length] over which waves are averaged where it floats; the sensor stands above its middle"),
+        about("waterline [width, length] over which waves are averaged where it floats; the sensor stands above its middle"),
     ] = (3.0, 10.0)
     heading_deg: Annotated[
-        Azimuth | None, Field(description="azimuth of the vessel's forward end where it floats; along its way, else the sensor's azimuth")
+        Azimuth | None, about("azimuth of the vessel's forward end where it floats; along its way, else the sensor's azimuth")
     ] = None
 
     @model_validator(mode="after")
@@ -113,18 +104,15 @@ class Platform(Record):
 TABLE_BANDS_TEXT = " or ".join(f"{low:g} to {high:g} um" for low, high in TABLE_BANDS_UM) + " (no band across the gap)"
 
 
+_Edge = Annotated[float, Quantity("um", gt=0, le=100)]
+
+
 class BandSettings(Record):
     """Spectral band: a rectangle, or a measured response; inside 2-5.5 or 7.5-14 um with the table atmosphere."""
 
-    min_um: Annotated[
-        Annotated[float, Quantity("um", gt=0, le=100)] | None, Field(description="short-wave edge of a rectangular band (default 3.5)")
-    ] = None
-    max_um: Annotated[
-        Annotated[float, Quantity("um", gt=0, le=100)] | None, Field(description="long-wave edge of a rectangular band (default 5.0)")
-    ] = None
-    response: Annotated[InputFile | None, Field(description="CSV file with columns wavelength_um, response; instead of the two edges")] = (
-        None
-    )
+    min_um: Annotated[_Edge | None, about("short-wave edge of a rectangular band (default 3.5)")] = None
+    max_um: Annotated[_Edge | None, about("long-wave edge of a rectangular band (default 5.0)")] = None
+    response: Annotated[InputFile | None, about("CSV file with columns wavelength_um, response; instead of the two edges")] = None
 
     @model_validator(mode="before")
     @classmethod
@@ -148,15 +136,15 @@ class Mean(Record):
 
     mode: Annotated[
         Literal["spectral", "article"],
-        Field(
-            description="spectral: per wavenumber, sky and sea apart; article: band means, isotropic slopes at the wind as given, "
+        about(
+            "spectral: per wavenumber, sky and sea apart; article: band means, isotropic slopes at the wind as given, "
             "sky and sea one blackbody, as in the source article"
         ),
     ] = "spectral"
     shadowing: Annotated[
         Literal["nested", "both", "viewer"] | None,
-        Field(
-            description="legs that waves shadow: nested (viewer and Sun, wave band by wave band), both (the same by Smith's law, too "
+        about(
+            "legs that waves shadow: nested (viewer and Sun, wave band by wave band), both (the same by Smith's law, too "
             "bright near the horizon under a low Sun), or viewer (alone, Saunders' law); default: nested, viewer in the "
             "mode article"
         ),
@@ -175,47 +163,40 @@ class Render(Record):
 
     lines_per_column: Annotated[
         Literal[1, 2, 4, 8, 16],
-        Field(description="most lines of sight across a pixel column; near the sensor it is one, which splits as the column widens"),
+        about("most lines of sight across a pixel column; near the sensor it is one, which splits as the column widens"),
     ] = 16
     variance_error: Annotated[
         float,
         Quantity(ge=0.001, le=1),
-        Field(description="relative error allowed in the variance of pixels; larger is faster, with fewer far waves and lines of sight"),
+        about("relative error allowed in the variance of pixels; larger is faster, with fewer far waves and lines of sight"),
     ] = 0.02
     shortest_wave_columns: Annotated[
-        float,
-        Quantity(ge=0, le=100),
-        Field(description="waves longer than this many columns are always drawn; 0 draws all waves at any range"),
+        float, Quantity(ge=0, le=100), about("waves longer than this many columns are always drawn; 0 draws all waves at any range")
     ] = 2.0
     step_m: Annotated[
-        Annotated[float, Quantity("m", gt=0, le=100)] | None,
-        Field(description="outward step of the sweep; default: chosen from the shortest wave"),
+        Annotated[float, Quantity("m", gt=0, le=100)] | None, about("outward step of the sweep; default: chosen from the shortest wave")
     ] = None
-    tile_size: Annotated[Literal[64, 128, 256, 512, 1024, 2048, 4096], Field(description="points along each side of a wave tile")] = 512
+    tile_size: Annotated[Literal[64, 128, 256, 512, 1024, 2048, 4096], about("points along each side of a wave tile")] = 512
     subpixel_glint: Annotated[
-        Literal["auto", "on", "off"],
-        Field(description="random fluctuation of glint by sparkles smaller than a pixel; auto: where it matters"),
+        Literal["auto", "on", "off"], about("random fluctuation of glint by sparkles smaller than a pixel; auto: where it matters")
     ] = "auto"
     gaussian_facets: Annotated[
-        StrictBool,
-        Field(description="replace the skewness and peakedness of the slope model by a Gaussian of the same variances; images need it"),
+        StrictBool, about("replace the skewness and peakedness of the slope model by a Gaussian of the same variances; images need it")
     ] = False
     oversampling: Annotated[
         Annotated[int, Quantity(ge=1, le=15, integer=True)] | None,
-        Field(description="with a detector: pixels drawn along each side of its pixels; default: what the optics' cut-off needs"),
+        about("with a detector: pixels drawn along each side of its pixels; default: what the optics' cut-off needs"),
     ] = None
-    object_shadows: Annotated[
-        StrictBool, Field(description="objects cast shadows: no glint on the sea behind them as seen from the Sun")
-    ] = False
+    object_shadows: Annotated[StrictBool, about("objects cast shadows: no glint on the sea behind them as seen from the Sun")] = False
     layers: Annotated[
         tuple[Layer, ...],
-        Field(
-            description="images written beside the radiance: its four parts, distance and slope of the sea, the share of a pixel that it "
+        about(
+            "images written beside the radiance: its four parts, distance and slope of the sea, the share of a pixel that it "
             "fills, that of glint in the radiance, the number of the object in it",
             json_schema_extra={"uniqueItems": True},
         ),
     ] = ()
-    apparent_temperature: Annotated[StrictBool, Field(description="write apparent temperature beside radiance")] = False
+    apparent_temperature: Annotated[StrictBool, about("write apparent temperature beside radiance")] = False
 
     @model_validator(mode="after")
     def _each_layer_once(self) -> Self:

@@ -227,8 +227,7 @@ def _first_line(record: type[BaseModel]) -> str:
 
 def _entry(key: Key, value: Any, examples: Mapping[str, str] = _EXAMPLES) -> str:
     name = key.path[-1]
-    allowed = choices_of_kind(key) or key.allowed
-    note = "; ".join(part for part in (key.info.description or "", allowed) if part)
+    note = "; ".join(part for part in (key.info.description or "", choices_of_kind(key) or key.allowed) if part)
     comment = f"  # {note}" if note else ""
     if value is None:
         return f"# {name} = {examples.get(name, '...')}{comment}"

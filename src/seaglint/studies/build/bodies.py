@@ -237,8 +237,7 @@ def _motion(scenario: Scenario, item: Object, parts: Sequence[Part], origin: Flo
         return _keyframed(scenario, item, parts, origin)
     course = item.course_deg
     heading = float(np.radians(item.heading_deg if item.heading_deg is not None else course if course is not None else 0.0))
-    place = np.array([*(origin + _place(scenario, item)), _height(item, parts)])
-    start = Placement(place, rotation(heading, *trim))
+    start = Placement(np.array([*(origin + _place(scenario, item)), _height(item, parts)]), rotation(heading, *trim))
     if course is None or item.speed_m_s is None:
         return Rest(start)
     towards = float(np.radians(course))
@@ -360,8 +359,7 @@ def _require_clear(placed: list[Body], track: Track, last: float) -> None:
         return np.array([pose.east, pose.north, pose.height])
 
     for body in placed:
-        contact = first_contact(body, eye, track.time, last)
-        if contact is not None:
+        if (contact := first_contact(body, eye, track.time, last)) is not None:
             text = (
                 f"at {contact.time:.6g} s the sensor is inside it, {contact.distance:.3g} m from its origin; move one of them by east_m, "
                 "north_m or height_m"

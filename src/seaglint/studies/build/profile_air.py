@@ -69,20 +69,17 @@ def program_levels(path: str | Path, model: str = "midlatitude-summer") -> tuple
 
 def levels_of(sounding: Sounding, model: str) -> tuple[ProfileLevel, ...]:
     """Return the levels of a sounding that was read, as :func:`program_levels` does; above its end humidity is the model's."""
-    air = (sounding.height, sounding.pressure, sounding.temperature, sounding.humidity(model))
-    return _to_the_top(np.column_stack(air))
+    return _to_the_top(np.column_stack((sounding.height, sounding.pressure, sounding.temperature, sounding.humidity(model))))
 
 
 def _to_the_top(levels: FloatArray) -> tuple[ProfileLevel, ...]:
     top = float(levels[-1, 0]) / 1e3
     above = [float(z) for z in MODEL_LEVELS_KM if z > top + 0.2]  # closer levels make LOWTRAN7's layers degenerate
-    room = MOST_LEVELS - min(len(above), LEVELS_ABOVE)
     # LOWTRAN7 takes a limited number of levels for the sounding and the model above together.
-    thinned = _thinned_levels(levels, room)
+    thinned = _thinned_levels(levels, MOST_LEVELS - min(len(above), LEVELS_ABOVE))
     while len(thinned) + len(above) > MOST_LEVELS:
         # The closest pair of the model's levels loses its upper one, never the last.
-        gaps = [(b - a) / b for a, b in pairwise(above[:-1])]
-        del above[int(np.argmin(gaps)) + 1]
+        del above[int(np.argmin([(b - a) / b for a, b in pairwise(above[:-1])])) + 1]
     own = [ProfileLevel(float(z) / 1e3, float(p), float(t), float(u)) for z, p, t, u in thinned]
     return (*own, *(ProfileLevel(z) for z in above))
 
@@ -243,8 +240,7 @@ def profile_atmosphere(requested: ComputedAir, scenario: Scenario, over: Band) -
     report_sounding(sounding, requested.model, scenario, over)
     profile = sounding.profile(requested.model)
     # A duct bends rays more than the sums assume, which the user has to know.
-    trapped = trapping_layers(profile.height, refractivity(profile, INFRARED_CM), profile.earth_radius)
-    if trapped:
+    if trapped := trapping_layers(profile.height, refractivity(profile, INFRARED_CM), profile.earth_radius):
         layers = ", ".join(f"{low:.0f}-{high:.0f} m" for low, high in trapped)
         shown = "" if requested.refraction == "profile" else ", and pictures show no mirage (atmosphere.refraction = 'profile' does)"
         _log.warning("%s traps rays at %s: its sums bend them a little less%s", sounding.path, layers, shown)

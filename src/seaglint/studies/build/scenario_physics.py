@@ -406,9 +406,8 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
             'sea.slopes.kind = "flat" leaves no slopes for waves; set sea.spectrum.kind = "flat" or sea.resolve_waves = false'
         )
     requested = 2.0 * np.pi / scenario.sea.shortest_wave_m
-    limit = resolve_limit(spectral, statistics, RESOLVED_SHARE)
     # The shortest geometric wave: as requested, as the energy rule allows, and as the spectrum has.
-    cut = min(requested, limit, spectral.wavenumber_range[1])
+    cut = min(requested, resolve_limit(spectral, statistics, RESOLVED_SHARE), spectral.wavenumber_range[1])
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
         return PreparedSea(None, {"waves": reason, **none}, reason)

@@ -158,12 +158,11 @@ class DesignFigures:
             value = math.nan if pixel is None else inverse(pixel)
             return value if math.isfinite(value) else None
 
-        ends = [None if end is None else inverse(end) for end in self.contrast_interval]
         return replace(
             self,
             contrast=stated(self.contrast),
             white_contrast=stated(self.white_contrast),
-            contrast_interval=ends,
+            contrast_interval=[None if end is None else inverse(end) for end in self.contrast_interval],
             contrast_pixel=self.contrast,
             white_contrast_pixel=self.white_contrast,
         )

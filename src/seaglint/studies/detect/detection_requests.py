@@ -7,9 +7,11 @@ same names, and the studies take the records themselves. Importing this module l
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal, Self
 
+from seaglint.base.errors import DataError, DomainError
 from seaglint.base.parameters import Parameter
 from seaglint.detection.detector_names import CHOICE, TRIED
 from seaglint.studies.study_requests import ReadingRequest, WeightsFile, filter_of, values_of
@@ -135,7 +137,6 @@ class DetectorRequest:
         DomainError
             Numbers that are not allowed.
         """
-        from seaglint.base.errors import DataError
         from seaglint.detection.trials import InjectedObjects
         from seaglint.studies.detect.performance import DetectionOptions
 
@@ -208,7 +209,6 @@ class SpotRequest(DetectorRequest):
         DataError
             Two shapes are stated.
         """
-        from seaglint.base.errors import DataError
         from seaglint.detection.spot import GaussianSpot, SampledSpot
 
         if self.psf is None:
@@ -249,10 +249,6 @@ class RecordingRequest(ReadingRequest, SpotRequest):
         DataError
             An angle outside 0 to 1000 mrad.
         """
-        from math import degrees
-
-        from seaglint.base.errors import DataError
-
         if self.pixel_mrad is None:
             return None
         if not 0 < self.pixel_mrad < 1000:
@@ -288,8 +284,6 @@ class CasesRequest(DetectorRequest):
         SeaglintError
             The first of them.
         """
-        from seaglint.base.errors import DomainError
-
         self.detection()
         if self.seas < 1:
             raise DomainError(f"{self.seas} seas; give at least 1")
@@ -325,7 +319,6 @@ class SceneRequest(CasesRequest, SpotRequest):
         DataError
             Contrasts in two units, or the intensity of an object that is no point.
         """
-        from seaglint.base.errors import DataError
         from seaglint.studies.detect.injected import Strength
 
         stated = [value for value in (self.contrast, self.temperature_difference, self.intensity) if value is not None]
@@ -356,8 +349,6 @@ class SceneRequest(CasesRequest, SpotRequest):
 
     def require_valid(self) -> None:
         """Refuse numbers that are not allowed, see :meth:`CasesRequest.require_valid`."""
-        from seaglint.base.errors import DomainError
-
         self.design()
         super().require_valid()
         self.strength()
@@ -435,8 +426,6 @@ class RangeRequest(RateRequest, CasesRequest):
         DomainError
             Ranges, precision, P_d or a rate that are not allowed.
         """
-        from seaglint.base.errors import DataError, DomainError
-
         name = self.object or (names[0] if len(names) == 1 else None)
         if not names:
             raise DataError(

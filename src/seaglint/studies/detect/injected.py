@@ -110,9 +110,8 @@ def fine_response(picture: NDArray[np.float64], steps: int, blur: Callable[[NDAr
     out = np.zeros((rows, columns))
     for down in range(steps):
         for right in range(steps):
-            shifted = np.roll(picture, (-down, -right), axis=(0, 1)).astype(np.float32)
             # pixel i of the shifted picture holds the fine pixels i steps + down ...; its centre is (steps - 1) / 2 further on
-            out[down::steps, right::steps] = blur(shifted)
+            out[down::steps, right::steps] = blur(np.roll(picture, (-down, -right), axis=(0, 1)).astype(np.float32))
     return np.roll(out, ((steps - 1) // 2,) * 2, axis=(0, 1))
 
 
@@ -133,8 +132,7 @@ def spot_of(response: FloatArray, steps: int) -> tuple[FineSpot, float]:
     # The faint rim is cut; the rest is rounded up to whole pixels about the peak.
     far = max(int(np.abs(np.nonzero(rim[0])[axis] - at).max()) for axis, at in ((0, row), (1, column)))
     half = min(max(-(-far // steps), 1), REACH) * steps
-    padded = np.pad(whole, half)
-    return FineSpot(padded[row : row + 2 * half + 1, column : column + 2 * half + 1], steps), peak
+    return FineSpot(np.pad(whole, half)[row : row + 2 * half + 1, column : column + 2 * half + 1], steps), peak
 
 
 def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
@@ -260,8 +258,7 @@ def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
     picture = padded[row * steps : (row + size) * steps, column * steps : (column + size) * steps]
     if not drawn.sights[0].whole > 0.0:  # a point, wherever it lies in its pixel
         shape, share = point_shape(model)
-        where = np.argwhere(difference).mean(axis=0)
-        centre = [(float(at) + 0.5) / steps - 0.5 for at in where]
+        centre = [(float(at) + 0.5) / steps - 0.5 for at in np.argwhere(difference).mean(axis=0)]
         extent = int(columns_lit[0]) // steps, int(columns_lit[-1]) // steps + 1
         among = alone if scenario.sea.resolve_waves else None
         return ObjectSignal(shape, share * float(difference.sum()) / steps**2, centre[0], centre[1], extent, _in_view(drawn), among)

@@ -90,8 +90,7 @@ def rows_to_horizon(seas: IndependentSeas, row: int, extent: int) -> int | None:
 def half_height(shape: SpotShape) -> int:
     """Return the rows above and below its middle in which an object has a tenth of its peak or more [px]."""
     stamp = np.abs(np.asarray(shape.stamps(np.zeros((1, 2)))[0], np.float64))
-    rows = np.flatnonzero(stamp.max(axis=1) >= 0.1 * stamp.max())
-    return int(np.abs(rows - stamp.shape[0] // 2).max())
+    return int(np.abs(np.flatnonzero(stamp.max(axis=1) >= 0.1 * stamp.max()) - stamp.shape[0] // 2).max())
 
 
 def _elevations(seas: IndependentSeas) -> tuple[np.ndarray, np.ndarray, float]:

@@ -325,8 +325,7 @@ def detector_for(source: FrameSource, options: DetectionOptions) -> Detector:
         # Whole frames, as many as give that number of values, evenly spread over the source.
         most = max(int(COVARIANCE_VALUES / (source.rows * source.columns)), 1)
         chosen = np.unique(np.linspace(0, source.frames - 1, min(most, source.frames)).astype(int))
-        frames = np.concatenate([source.read(int(k), int(k) + 1) for k in chosen])
-        return options.filter.apply(frames)
+        return options.filter.apply(np.concatenate([source.read(int(k), int(k) + 1) for k in chosen]))
 
     if ":" in options.detector:
         detector: Detector = IsolatedDetector(options.detector, options.time_limit)
@@ -343,17 +342,14 @@ def detector_for(source: FrameSource, options: DetectionOptions) -> Detector:
 def _notes(
     detector: Detector, options: DetectionOptions, trials: Trials, alarms: FalseAlarmCount, detections: tuple[Interval, ...]
 ) -> list[str]:
-    notes = []
-    if trials.stopped is not None:
-        notes.append(trials.stopped)
+    notes = [] if trials.stopped is None else [trials.stopped]
     if detector.reach is None:
         notes.append("the detector looks at whole frames: objects injected into one frame may disturb each other")
     for contrast, number in zip(options.objects.contrasts, trials.saturated, strict=True):
         if number:
             notes.append(f"contrast {contrast:g}: {number} objects go beyond saturation and are cut there")
     for scores in trials.scores:
-        silent = int(np.isneginf(scores.score).sum())
-        if silent:
+        if silent := int(np.isneginf(scores.score).sum()):
             notes.append(f"contrast {scores.contrast:g}: the detector returns NaN at {silent} objects; they count as missed")
     if min(options.objects.contrasts) < 0:
         notes.append("a contrast below 0 makes dark objects; thresholds are for bright ones")
@@ -399,8 +395,7 @@ def chips(performance: Performance, source: FrameSource) -> Chips:
     missed: list[Chip] = []
     contrast = None
     if with_misses:
-        number = min(with_misses, key=lambda k: abs(rates[k] - 0.5))
-        scores = performance.trials.scores[number]
+        scores = performance.trials.scores[min(with_misses, key=lambda k: abs(rates[k] - 0.5))]
         contrast = scores.contrast
         below = np.flatnonzero(~scores.detected(threshold))
         order = below[np.argsort(-scores.score[below], kind="stable")]
@@ -434,8 +429,7 @@ def _with_object(performance: Performance, source: FrameSource, batch: Batch, co
     light = np.zeros_like(frame)[None]
     objects = performance.options.objects
     inject(light, batch, objects.shape, contrast)
-    counting = source.counting
-    if counting is not None:
+    if (counting := source.counting) is not None:
         last = performance.judged.place.start(batch.window) + performance.judged.lead
         light = counting.added(light, counting.draws(objects.seed, last, light.shape))
     lit: Frames = frame + light[0]
@@ -445,8 +439,7 @@ def _with_object(performance: Performance, source: FrameSource, batch: Batch, co
 
 
 def _cut(frame: Frames, row: int, column: int) -> list[list[float | None]]:
-    padded = np.pad(frame, HALF, constant_values=np.nan)
-    part = padded[row : row + 2 * HALF + 1, column : column + 2 * HALF + 1]
+    part = np.pad(frame, HALF, constant_values=np.nan)[row : row + 2 * HALF + 1, column : column + 2 * HALF + 1]
     return [[float(f"{v:.6g}") if np.isfinite(v) else None for v in line] for line in part]
 
 

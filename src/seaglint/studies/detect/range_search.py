@@ -175,17 +175,14 @@ def estimated_p_d(placed: Scenario, target: ObjectSignal, design: Design) -> flo
     statistic = detector(less_row_means(frames[:, first:end]))
     # Rows and columns near the border repeat pixels; a third of the picture remains in any case.
     reach = min(detector.reach, (end - first) // 3, columns // 3)
-    inner = statistic[:, reach : end - first - reach, reach : columns - reach]
-    sigma = float(np.std(inner, dtype=np.float64))
+    sigma = float(np.std(statistic[:, reach : end - first - reach, reach : columns - reach], dtype=np.float64))
     if not sigma > 0.0:
         return 1.0
     rate = design.p_fa
     if rate is None:
         # Each pixel counts as a separate alarm here; a rate near one half has no threshold above the mean.
         rate = min(design.alarms_per_hour / (3600.0 * placed.sensor.frame_rate_hz * rows * columns), 0.4)
-    answer = answers(target.shape, detector)
-    shares = target.visible_shares(SEAS, seas)
-    signal = np.multiply.outer(shares, answer) * abs(target.contrast) / sigma
+    signal = np.multiply.outer(target.visible_shares(SEAS, seas), answers(target.shape, detector)) * abs(target.contrast) / sigma
     return float(np.where(signal > 0.0, ndtr(signal + ndtri(rate)), 0.0).mean())
 
 
@@ -260,8 +257,7 @@ def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: f
     """
     whole = placed_at(scenario, request.object or "", range_m, bearing)
     key = _key("range", whole, *request.settings)
-    stored = parts.case(key)
-    if stored is not None:
+    if (stored := parts.case(key)) is not None:
         return RangePoint.of(stored)
     try:
         placed = _placed(whole, request, parts)
@@ -308,8 +304,7 @@ def tried_at(
     """
     whole = placed_at(scenario, request.object or "", range_m, bearing)
     key = _key("choice", whole, *request.settings, names)
-    stored = parts.case(key)
-    if stored is not None:
+    if (stored := parts.case(key)) is not None:
         return [TriedDetector(**one) for one in stored["tried"]]
     design = request.design()
     placed = _placed(whole, replace(request, detector=names[0]), parts, design.p_d)

@@ -89,8 +89,7 @@ def threshold_of(source: Recording, options: DetectionOptions) -> float:
     with single_threaded_algebra():
         background = Background(detector_for(given, options), given)
         curve = count_false_alarms(background, background.threshold(options.threshold, "sigma"), options.level).alarms.curve()
-    most = max(RATE * curve.pixels, FEWEST)
-    beyond = np.flatnonzero(curve.exceedances <= most)
+    beyond = np.flatnonzero(curve.exceedances <= max(RATE * curve.pixels, FEWEST))
     threshold = float(curve.threshold[beyond[0]]) if beyond.size else options.threshold
     return float(f"{max(threshold, 1.0):.3g}")
 

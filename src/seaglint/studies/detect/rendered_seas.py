@@ -12,17 +12,16 @@ import numpy as np
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import SeaglintError
-from seaglint.base.free_form import JsonObject
 from seaglint.cluster import Workers
 from seaglint.detection.isolated import IsolatedDetector
 from seaglint.detection.named_detectors import named_for
-from seaglint.detection.sources import FrameSource, Rescaled
+from seaglint.detection.sources import Rescaled
 from seaglint.detection.spot import GaussianSpot, SpotShape
 from seaglint.scenario.model import Scenario
 from seaglint.store.detection_results import Judged, Parts
-from seaglint.studies.detect.designer import Design, design
+from seaglint.studies.detect.designer import design
 from seaglint.studies.detect.injected import SWEEP, Strength, object_signal, point_shape
-from seaglint.studies.detect.performance import DetectionOptions, Performance, characteristic, chips, detect, false_alarm_map
+from seaglint.studies.detect.performance import Performance, characteristic, chips, detect, false_alarm_map
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
 if TYPE_CHECKING:
@@ -66,8 +65,7 @@ def injected(scenario: Scenario, request: SceneRequest, seas: IndependentSeas) -
         return request.own_shape, 1.0, None
     match request.kind:
         case "point":
-            shape, share = point_shape(seas.model)
-            return shape, share, None
+            return *point_shape(seas.model), None
         case "gaussian":
             return GaussianSpot(0.8), 1.0, None
         case name:
@@ -137,10 +135,12 @@ def run_scene(
         result["sweep"][k] |= added
         rows[k] |= added
     result["contrast"] = strength.values[0]
-    design_request = request.design()
-    if design_request is not None:
+    if (design_request := request.design()) is not None:
         inverse = _inverse(strength, seas, float(first.mean()), share)
-        figures = _designed(performance, judged, options, design_request, lambda pixel: inverse(sign * pixel))
+        try:
+            figures = design(performance, judged, options, design_request).stated_by(lambda pixel: inverse(sign * pixel)).as_dict()
+        except SeaglintError as error:
+            figures = {"note": str(error)}
         result["design"] = figures | {"contrast_unit": strength.unit}
         for row in rows:
             row |= {f"design_{key}": result["design"].get(key) for key in ("contrast", "loss_db", "p_fa", "p_d")}
@@ -189,13 +189,3 @@ def _inverse(strength: Strength, seas: IndependentSeas, mean: float, share: floa
                 return at
 
     return back
-
-
-def _designed(
-    performance: Performance, source: FrameSource, options: DetectionOptions, request: Design, inverse: Callable[[float], float]
-) -> JsonObject:
-    """Return the designer's figures; where they do not exist, the reason."""
-    try:
-        return design(performance, source, options, request).stated_by(inverse).as_dict()
-    except SeaglintError as error:
-        return {"note": str(error)}

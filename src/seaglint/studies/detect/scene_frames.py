@@ -125,8 +125,7 @@ class IndependentSeas:
         Counts of a sensor are converted to the radiance at the aperture that would give them. The sensor and its fixed pattern are the
         same for all seas; its noise is not.
         """
-        seed = sea_seed(self.scenario.seed, number)
-        sequence = self.sequence.reseeded(seed)
+        sequence = self.sequence.reseeded(sea_seed(self.scenario.seed, number))
         rate = sequence.layout.frame_rate
         if self.sensed is None:
             return np.stack([np.asarray(sequence.at(k / rate).radiance, np.float32) for k in range(length)])

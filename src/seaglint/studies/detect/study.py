@@ -57,7 +57,6 @@ class Study:
 
     def rows(self) -> list[TableRow]:
         """Return a tidy table: a row for each contrast and case, with varied parameters first, then results, then the whole scenario."""
-        columns: dict[str, None] = {}
         out = []
         for number, case in enumerate(self.cases):
             contrasts: list[TableRow] = [{}] if case.judged is None else case.judged.rows or [{}]
@@ -65,10 +64,9 @@ class Study:
                 row = {"case": number, **case.parameters, **result, "stopped": case.stopped, "error": case.error}
                 row |= {key: value for key, value in case.scenario.items() if key not in row}
                 out.append(row)
-                columns |= dict.fromkeys(row)
         # Columns of results are placed before the scenario, also where the first case has no result.
         full = next((row for row in out if row["error"] is None), {})
-        order = list(dict.fromkeys([*full, *columns]))
+        order = list(dict.fromkeys([*full, *(name for row in out for name in row)]))
         return [{name: row.get(name) for name in order} for row in out]
 
     def characteristic(self) -> dict[str, list[float]]:

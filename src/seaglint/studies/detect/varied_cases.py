@@ -89,11 +89,8 @@ def cases_of(
 def _rows(table: Path) -> list[tuple[TomlTables, str]]:
     cases = read_cases(table)
     cells = [cases.text(name) for name in cases.header]
-    out = []
-    for k in range(len(cases)):
-        row = {name: plain_value(cells[i][k]) for i, name in enumerate(cases.header) if cells[i][k]}
-        out.append((row, f" (row {k + 1} of {table})"))
-    return out
+    rows = [{name: plain_value(cells[i][k]) for i, name in enumerate(cases.header) if cells[i][k]} for k in range(len(cases))]
+    return [(row, f" (row {k} of {table})") for k, row in enumerate(rows, start=1)]
 
 
 def flattened(scenario: Scenario) -> TomlTables:

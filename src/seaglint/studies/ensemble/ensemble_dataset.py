@@ -23,16 +23,8 @@ from seaglint.formats.dataset.grey_pictures import Bits, ImageKind
 from seaglint.formats.dataset.scene_records import FOLDER, Catalogue, DatasetScene, Entry, part_path, split_of
 from seaglint.scenario.ensemble_file import Ensemble, load_ensemble, read_toml
 from seaglint.scenario.records.ensemble_tables import Dataset
-from seaglint.store.outputs import (
-    ELSEWHERE,
-    read_json,
-    refuse_file_ending,
-    require_folder,
-    stop_on_signal,
-    storage_errors,
-    write_json,
-    write_text,
-)
+from seaglint.store import outputs
+from seaglint.store.resumable_folder import ResumableFolder
 from seaglint.store.sequence_store import Interrupted, partial_path
 from seaglint.store.writers import exclusive
 from seaglint.studies.ensemble.ensemble_folder import MOST_LISTED, Folder, differences, ensemble_text
@@ -95,11 +87,11 @@ def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
     StorageError
         Nothing can be written in the folder.
     """
-    partial = partial_path(refuse_file_ending(output, "a data set"))
+    partial = partial_path(outputs.refuse_file_ending(output, "a data set"))
     if resume and overwrite:
         raise DataError("resume keeps what is there and overwrite replaces it; give one of the two")
-    with storage_errors(output, ELSEWHERE):
-        require_folder(output)
+    with outputs.storage_errors(output, outputs.ELSEWHERE):
+        outputs.require_folder(output)
         if output.exists() and not output.is_dir():
             raise DataError(f"{output}: is a file; a data set is a folder, give another name")
         if output.exists() and any(output.iterdir()) and not resume:
@@ -115,9 +107,14 @@ def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
     return partial
 
 
+def _unfinished(partial: Path) -> ResumableFolder:
+    """Return the folder of an unfinished data set, which its settings mark."""
+    return ResumableFolder(partial, f"{FOLDER}/{_SETTINGS}")
+
+
 def _require_ours(partial: Path) -> None:
     # A process killed as it begins, or as it clears up, leaves only the folder of records, or a complete data set.
-    ours = (partial / FOLDER / _SETTINGS).is_file() or (partial / dataset_writing.SUMS).is_file()
+    ours = _unfinished(partial).is_ours or (partial / dataset_writing.SUMS).is_file()
     if not ours and any(path.name != FOLDER for path in partial.iterdir()):
         raise DataError(f"{partial}: is no unfinished data set of seaglint and is left alone; choose another name or remove it yourself")
 
@@ -170,9 +167,9 @@ def make_dataset(
         _require_same(dataset_writing.read_about(output)["made_from"], made_from, output, plan.source)
         return output
     remedy = f"what is done stays in {partial}: make room and run the same command with --resume"
-    with storage_errors(partial, remedy), exclusive(partial):
+    with outputs.storage_errors(partial, remedy), exclusive(partial):
         if partial.exists() and not resume:
-            _clear(partial)
+            _unfinished(partial).clear()
         if _is_whole(partial, made_from):
             _give_name(partial, output)
             return output
@@ -185,8 +182,7 @@ def make_dataset(
         table = plan.table
         about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": made_from}
         finish(partial, catalogue, settings, about)
-        faults = list(dataset_writing.problems(partial))
-        if faults:
+        if faults := list(dataset_writing.problems(partial)):
             raise DataError("\n".join(f"{partial}: {line}" for line in faults[:20]))
         _give_name(partial, output)
     return output
@@ -210,23 +206,11 @@ def _require_same(old: Any, new: JsonObject, where: Path, source: str) -> None:
         raise DataError(f"{where}: was made with another {', '.join(differ)}; resume with the same settings, or start again with overwrite")
 
 
-def _clear(partial: Path) -> None:
-    """Remove an unfinished data set; the folder by which it is recognised goes last."""
-    for path in partial.iterdir():
-        if path.name == FOLDER:
-            continue
-        if path.is_dir() and not path.is_symlink():
-            shutil.rmtree(path)
-        else:
-            path.unlink()
-    shutil.rmtree(partial)
-
-
 def _is_whole(partial: Path, made_from: JsonObject) -> bool:
     """Return True where the data set only has to be renamed; the checksums are written last."""
     return (
         (partial / dataset_writing.SUMS).is_file()
-        and not (partial / FOLDER / _SETTINGS).is_file()
+        and not _unfinished(partial).is_ours
         and dataset_writing.read_about(partial)["made_from"] == made_from
         and not any(dataset_writing.problems(partial))
     )
@@ -236,15 +220,15 @@ def _begin(partial: Path, made_from: JsonObject, source: str) -> None:
     """Make the folder, or check that an unfinished one has the same settings."""
     path = partial / FOLDER / _SETTINGS
     if path.is_file():
-        _require_same(read_json(path, "start again with overwrite=True"), made_from, partial, source)
+        _require_same(outputs.read_json(path, "start again with overwrite=True"), made_from, partial, source)
     else:
         if partial.exists():
             _require_ours(partial)
         if (partial / dataset_writing.SUMS).is_file():
             _require_same(dataset_writing.read_about(partial)["made_from"], made_from, partial, source)
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_json(made_from, path)
-    write_text(source, partial / SOURCE)
+        outputs.write_json(made_from, path)
+    outputs.write_text(source, partial / SOURCE)
 
 
 def _start(settings: ConversionSettings) -> Callable[[Entry], str]:
@@ -268,16 +252,15 @@ def _write_scenes(
     missing = [entry for entry in entries if not part_path(partial, entry.name).is_file()]
     done = len(entries) - len(missing)
     failed: list[str] = []
-    if progress is not None:
-        progress(done, len(entries))
+    tell = progress or (lambda done, total: None)
+    tell(done, len(entries))
     job: Job[ConversionSettings, Entry, str] = Job(_start, settings)
     try:
-        with stop_on_signal(at_once=workers is not None) as stopped, (workers or ThisProcess()).map(job, missing) as outcomes:
+        with outputs.stop_on_signal(at_once=workers is not None) as stopped, (workers or ThisProcess()).map(job, missing) as outcomes:
             for outcome in outcomes:
                 if isinstance(outcome, Done):
                     done += 1
-                    if progress is not None:
-                        progress(done, len(entries))
+                    tell(done, len(entries))
                 else:
                     failed.append(f"scene {outcome.unit.name}: {outcome.error}")
                 if stopped:
@@ -288,11 +271,8 @@ def _write_scenes(
         ) from None
     if failed:
         error = StorageError if any("StorageError" in line for line in failed) else DataError
-        raise error(
-            "\n".join(
-                [*failed[:20], f"{len(failed)} of {len(entries)} scenes failed; the others stay in {partial}; go on with resume=True"]
-            )
-        )
+        summary = f"{len(failed)} of {len(entries)} scenes failed; the others stay in {partial}; go on with resume=True"
+        raise error("\n".join([*failed[:20], summary]))
 
 
 def _give_name(partial: Path, output: Path) -> None:
@@ -377,11 +357,10 @@ def ensemble_dataset(
     drawn = draw(ensemble)
     if source.folder is not None:
         _require_rendered(Folder(source.folder), [scene.label for scene in drawn])
-    table = ensemble.dataset
+    table, seed = ensemble.dataset, ensemble.ensemble.seed
     known = {item.name for item in ensemble.objects} | {item.name for scene in drawn for item in scene.scenario.objects or ()}
     # A misspelt name would leave its objects without their class.
-    unknown = [name for name in table.classes if name not in known]
-    if unknown:
+    if unknown := [name for name in table.classes if name not in known]:
         own = {item["name"] for item in ensemble.base.get("objects", []) if "name" in item} | {item.name for item in ensemble.objects}
         names = f"; objects are {', '.join(sorted(own))}" if own else "; it has no objects"
         raise ScenarioError(f"{ensemble.name}: dataset.classes.{unknown[0]} names no object of the ensemble; correct the name{names}")
@@ -394,19 +373,13 @@ def ensemble_dataset(
         else:
             folder = Folder(source.folder)
         return [
-            Entry(
-                scene.label,
-                str(folder.store(scene.label).absolute()),
-                split_of(ensemble.ensemble.seed, scene.number, table.split),
-                scene.row,
-            )
+            Entry(scene.label, str(folder.store(scene.label).absolute()), split_of(seed, scene.number, table.split), scene.row)
             for scene in drawn
         ]
 
-    plan = DatasetPlan(source.title, ensemble.ensemble.seed, table, ensemble_text(ensemble))
     return make_dataset(
         output,
-        plan,
+        DatasetPlan(source.title, seed, table, ensemble_text(ensemble)),
         options,
         rendered,
         workers=workers,

@@ -36,11 +36,6 @@ class Folder:
         """File of the ensemble, with its base written out."""
         return self.path / "ensemble.toml"
 
-    @property
-    def _begun(self) -> Path:
-        """File that a process leaves if it is killed in its first moments."""
-        return self.file.with_name(f"{self.file.name}.partial")
-
     def scenario(self, label: str) -> Path:
         """Return the scenario file of a scene."""
         return self.path / "scenes" / f"{label}.toml"
@@ -72,7 +67,8 @@ class Folder:
         if self.file.is_file():
             if not (resume or overwrite):
                 raise DataError(f"{self.path}: holds an ensemble already; continue it with resume=True, or start again with overwrite=True")
-        elif any(path != self._begun for path in self.path.iterdir()):
+        # A process that is killed in its first moments leaves the file of the ensemble half written.
+        elif any(path.name != f"{self.file.name}.partial" for path in self.path.iterdir()):
             raise DataError(f"{self.path}: is not empty and holds no ensemble; it is left alone: give another folder")
 
     def write(self, ensemble: Ensemble, scenes: Sequence[EnsembleScene], *, resume: bool, overwrite: bool) -> None:
@@ -117,12 +113,11 @@ class Folder:
         # The table of a data set changes no scene.
         old, new = ({**tables, "dataset": {}} for tables in (read_toml(self.file, "ensemble"), tomllib.loads(text)))
         differ = differences(old, new)
-        if not differ:
-            for scene in scenes:
-                path = self.scenario(scene.label)
-                if path.exists() and (differ := differences(read_toml(path, "scene"), tomllib.loads(scene.text))):
-                    differ = [f"{key} of scene {scene.number}" for key in differ]
-                    break
+        for scene in () if differ else scenes:
+            path = self.scenario(scene.label)
+            if path.exists() and (differ := differences(read_toml(path, "scene"), tomllib.loads(scene.text))):
+                differ = [f"{key} of scene {scene.number}" for key in differ]
+                break
         if differ:
             more = f" and {len(differ) - MOST_LISTED} more" if len(differ) > MOST_LISTED else ""
             raise DataError(

@@ -90,8 +90,7 @@ def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, pat
         A scene that cannot be drawn.
     """
     with_objects = [scene.scenario for scene in scenes if scene.scenario.objects]
-    frames = sum(scene.scenario.sensor.frames for scene in scenes)
-    count = min(len(with_objects), frames // SHARE, most)
+    count = min(len(with_objects), sum(scene.scenario.sensor.frames for scene in scenes) // SHARE, most)
     if not count:
         return None
     begin, cached = time.monotonic(), SceneCache()
@@ -121,8 +120,7 @@ def _ratios(scenario: Scenario, cached: SceneCache) -> list[float]:
         return []
     # Blur carries light of an object into its neighbourhood, which is no background there.
     around = binary_dilation(np.logical_or.reduce(masks), iterations=BLUR)
-    contrasts = (local_contrast(values, mask, around) for mask in masks)
-    return [one[1] for one in contrasts if one is not None]
+    return [one[1] for mask in masks if (one := local_contrast(values, mask, around)) is not None]
 
 
 def report_weak(scenes: Sequence[EnsembleScene]) -> None:

@@ -140,8 +140,7 @@ class EnsembleScene:
     @property
     def row(self) -> TableRow:
         """Row of the table of parameters; lists and tables as JSON."""
-        drawn = {key: value for key, value in self.parameters.items() if key != "seed"}
-        columns = {"scene": self.number, "seed": self.seed, **drawn}
+        columns = {"scene": self.number, "seed": self.seed, **{k: v for k, v in self.parameters.items() if k != "seed"}}
         return {key: json.dumps(value) if isinstance(value, list | tuple | Mapping) else value for key, value in columns.items()}
 
 
@@ -197,8 +196,7 @@ class WeatherRows:
         """
         table = read_weather(law.table or SHIPPED[0]).table
         try:
-            lacking = [column for column in law.columns if column not in table and column != "wind_from_deg"]
-            if lacking:
+            if lacking := [column for column in law.columns if column not in table and column != "wind_from_deg"]:
                 raise DomainError(f"it has no column {', '.join(lacking)}; leave that out of columns")
             table, _ = table.complete([column for column in law.columns if column != "wind_from_deg"] or ["weight"])
             if law.max_wind_m_s is not None:
@@ -281,7 +279,7 @@ class DrawnObjects:
 
     def _drawn(self, raw: Any, key: str, scene: int) -> Any:
         """Return the tables with their laws drawn."""
-        law = self._law(raw, key)
+        law = law_of(raw, f"{self.ensemble.name}: {key}") if isinstance(raw, Mapping) else None
         if law is not None:
             return self._value(law, key, scene, 0, quantity_of(key))
         if isinstance(raw, Mapping):
@@ -289,9 +287,6 @@ class DrawnObjects:
         if isinstance(raw, list):
             return [self._drawn(value, f"{key}.{i}", scene) for i, value in enumerate(raw)]
         return raw
-
-    def _law(self, raw: Any, key: str) -> SingleLaw | None:
-        return law_of(raw, f"{self.ensemble.name}: {key}") if isinstance(raw, Mapping) else None
 
     def _value(self, law: Any, key: str, scene: int, tried: int, quantity: Quantity | None) -> Any:
         if isinstance(law, SingleLaw):

@@ -29,19 +29,10 @@ from seaglint.store.sequence_store import Interrupted, check_output, write_seque
 from seaglint.store.writers import exclusive
 from seaglint.studies.build.profile_air import report_air
 from seaglint.studies.build.scenario_physics import band
+from seaglint.studies.ensemble import law_draws
 from seaglint.studies.ensemble.ensemble_folder import Folder
 from seaglint.studies.ensemble.label_outlook import report_unseen
-from seaglint.studies.ensemble.law_draws import (
-    DrawnObjects,
-    EnsembleScene,
-    PixelGrid,
-    SingleLaw,
-    UniformNumbers,
-    WeatherRows,
-    count_key,
-    prepared,
-    sea_seed,
-)
+from seaglint.studies.ensemble.law_draws import EnsembleScene, SingleLaw, count_key, prepared
 from seaglint.studies.sequence.memory import give_back, require_memory_of_all
 from seaglint.studies.sequence.sequence_work import SceneCache
 
@@ -64,9 +55,11 @@ def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
     settings = ensemble.ensemble
     sampled = ["weather" if isinstance(law, Weather) else law.key or "" for law in ensemble.vary]
     sampled += [count_key(template) for template in ensemble.objects if not isinstance(template.count, int)]
-    numbers = UniformNumbers(ensemble, tuple(sampled))
-    rows = {i: WeatherRows.of(law, f"{ensemble.name}: vary[{i}]") for i, law in enumerate(ensemble.vary) if isinstance(law, Weather)}
-    objects, width = DrawnObjects(ensemble, numbers), max(4, len(str(settings.scenes - 1)))
+    numbers = law_draws.UniformNumbers(ensemble, tuple(sampled))
+    rows = {
+        i: law_draws.WeatherRows.of(law, f"{ensemble.name}: vary[{i}]") for i, law in enumerate(ensemble.vary) if isinstance(law, Weather)
+    }
+    objects, width = law_draws.DrawnObjects(ensemble, numbers), max(4, len(str(settings.scenes - 1)))
     for number in range(settings.scenes):
         where, parameters = f"{ensemble.name}, scene {number}", TableRow()
         for i, law in enumerate(ensemble.vary):
@@ -75,7 +68,7 @@ def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
             else:
                 parameters[law.key or ""] = _value(ensemble, i, law, numbers, number)
         tables = copy.deepcopy(ensemble.base)
-        tables["seed"] = sea_seed(settings.seed, number)
+        tables["seed"] = law_draws.sea_seed(settings.seed, number)
         if settings.frames is not None:
             tables.setdefault("sensor", {})["frames"] = settings.frames
         for key, value in parameters.items():
@@ -83,7 +76,7 @@ def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
         drawn: list[TableRow] = []
         if ensemble.objects:
             # Places in the picture need the sensor, as it is drawn, before there are objects.
-            picture = PixelGrid(_checked(ensemble, {k: v for k, v in tables.items() if k != "objects"}, parameters, where))
+            picture = law_draws.PixelGrid(_checked(ensemble, {k: v for k, v in tables.items() if k != "objects"}, parameters, where))
             taken: list[tuple[float, float]] = []
             for template in ensemble.objects:
                 count = objects.count(template, number)
@@ -102,7 +95,7 @@ def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
         )
 
 
-def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: UniformNumbers, scene: int) -> Any:
+def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: law_draws.UniformNumbers, scene: int) -> Any:
     """Return the value that a law of ``[[vary]]`` gives a scene."""
     key = law.key or ""
     quantity = quantity_of(key)
@@ -305,5 +298,4 @@ def _times(scenario: Scenario, cached: SceneCache) -> tuple[float, float]:
 def _ready(scenario: Scenario, cached: SceneCache) -> tuple[Any, float]:
     """Return the prepared scenario, and the time of its preparation [s]."""
     start = time.perf_counter()
-    run = prepared(scenario, cached)
-    return run, time.perf_counter() - start
+    return prepared(scenario, cached), time.perf_counter() - start

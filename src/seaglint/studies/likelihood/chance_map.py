@@ -171,12 +171,11 @@ class PreparedMap:
         each = min(samples * longitude.size, max(samples, _SHARED)) if alike else samples
         # Sobol points are even in powers of two.
         plan = SamplingPlan(1, 2 ** round(math.log2(each)))
-        months = tuple(likelihood.months or range(1, 13))
         return cls(
             model=model,
             latitude=latitude,
             longitude=longitude,
-            months=months,
+            months=tuple(likelihood.months or range(1, 13)),
             rows=rows,
             across=longitude[:1] if alike else longitude,
             plan=plan,

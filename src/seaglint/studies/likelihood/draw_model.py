@@ -128,8 +128,7 @@ class LikelihoodModel:
         """Lowest and highest sensor [m]."""
         if "height_m" in self.looks:
             return float(self.looks["height_m"].min()), float(self.looks["height_m"].max())
-        height = self.scenario.sensor.height_m
-        return self.settings.height_m or (height, height)
+        return self.settings.height_m or (self.scenario.sensor.height_m,) * 2
 
     @property
     def depression(self) -> tuple[float, float]:
@@ -178,8 +177,7 @@ class LikelihoodModel:
             return model_air(model, wind, edges, "lowtran", spectroscopy) if article else windy[model].at(wind)
 
         # Kinks of the haze's laws in the wind are nodes of the interpolation.
-        top = min(self.winds[1], NAVY_AEROSOL_WIND[1])
-        winds = (0.0, top) if of_table else None
+        winds = (0.0, min(self.winds[1], NAVY_AEROSOL_WIND[1])) if of_table else None
         water = scenario_physics.water(scenario)
         kinks = [wind_kinks(profile) for profile in profiles.values()]
         return mirrored_light(air_at, self.models, winds, self.heights, self.depression, over, water, kinks=kinks, article=article)

@@ -119,8 +119,7 @@ class GlintLikelihood:
         if self.model.when is None:
             return None
         month = months_of(self.draws.where.time) - 1
-        hour = _solar_hour(self.draws.where).astype(np.int64) % 24
-        cell = month * 24 + hour
+        cell = month * 24 + (_solar_hour(self.draws.where).astype(np.int64) % 24)
         count, total = (np.bincount(cell, each, 288) for each in (self.draws.weight, self.draws.weight * self.values[0]))
         return np.asarray(np.divide(total, count, out=np.full(288, np.nan), where=count > 0.0)).reshape(12, 24)
 
@@ -167,21 +166,18 @@ def likelihood(
     tell(1, 3)
     drawn = draw(model)
     tell(2, 3)
-    values = tuple(draw_values(model, drawn, threshold) for threshold in model.settings.threshold_w_m2_sr)
+    thresholds = model.settings.threshold_w_m2_sr
+    values = tuple(draw_values(model, drawn, threshold) for threshold in thresholds)
     estimates = tuple(estimate(v, drawn.plan, weight=drawn.weight) for v in values)
     classes, of_looks = _classes(model, drawn), _classes_of_looks(drawn)
     # Classes of a single look, such as its azimuth, need values of that look even where azimuths are integrated.
-    one_look = (
-        values if not drawn.shares else tuple(draw_values(model, replace(drawn, shares={}), t) for t in model.settings.threshold_w_m2_sr)
-    )
+    one_look = values if not drawn.shares else tuple(draw_values(model, replace(drawn, shares={}), t) for t in thresholds)
     by_threshold = tuple(
         (*strata(v, drawn.plan, classes, t, weight=drawn.weight), *strata(one, drawn.plan, of_looks, t, weight=drawn.weight))
-        for t, v, one in zip(model.settings.threshold_w_m2_sr, values, one_look, strict=True)
+        for t, v, one in zip(thresholds, values, one_look, strict=True)
     )
     tell(3, 3)
-    return GlintLikelihood(
-        model=model, draws=drawn, thresholds=model.settings.threshold_w_m2_sr, estimates=estimates, strata=by_threshold, values=values
-    )
+    return GlintLikelihood(model=model, draws=drawn, thresholds=thresholds, estimates=estimates, strata=by_threshold, values=values)
 
 
 def cloud_law(model: LikelihoodModel) -> CloudLaw:
@@ -320,11 +316,8 @@ def _everywhere(some: Looks, at: NDArray[np.intp], total: int) -> Looks:
 def _geometry(model: LikelihoodModel, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return depression and azimuth from the Sun [rad], and height [m]."""
     settings = model.settings
-    (low, high), (first, last), (lowest, highest) = (
-        np.radians(settings.depression_deg),
-        np.radians(settings.azimuth_from_sun_deg),
-        model.heights,
-    )
+    (low, high), (first, last) = np.radians(settings.depression_deg), np.radians(settings.azimuth_from_sun_deg)
+    lowest, highest = model.heights
     depression = low + (high - low) * u["depression"]
     relative = first + (last - first) * u["azimuth"]
     height = lowest + (highest - lowest) * u["height"]

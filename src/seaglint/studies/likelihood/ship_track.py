@@ -137,8 +137,7 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     latitude, longitude = _within(cells, "latitude_deg", 90.0), _within(cells, "longitude_deg", 360.0)
     bearing = _within(cells, _BEARING, 360.0) if _BEARING in cells.header else None
     likelihood_table(scenario)  # refused after the file of the track
-    fixed = scenario.model_copy(update={"sun": None, "time": None, "place": None})
-    model = LikelihoodModel.of(fixed, weather)
+    model = LikelihoodModel.of(scenario.model_copy(update={"sun": None, "time": None, "place": None}), weather)
     sky = Ephemeris.between(float(time[0]), float(time[-1]))
     thresholds = model.settings.threshold_w_m2_sr
     chance = np.empty((time.size, len(thresholds)))
@@ -168,10 +167,10 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
                 )
             )
     step = _steps(time)
-    results = []
-    for t, threshold in enumerate(thresholds):
-        spell = spells(np.stack(lit[t], axis=1) > 0.0, step)
-        results.append(GlintHours(threshold, float(chance[:, t] @ step), spell.mean_duration_hours, spell.mean_return_hours))
+    results = [
+        GlintHours(threshold, float(chance[:, t] @ step), *spells(np.stack(lit[t], axis=1) > 0.0, step))
+        for t, threshold in enumerate(thresholds)
+    ]
     return TrackChances(float(step.sum()), results, way, list(model.notes))
 
 
@@ -184,8 +183,7 @@ def spells(glints: np.ndarray, hours: FloatArray) -> Spells:
     Spells(mean_duration_hours=1.0, mean_return_hours=2.0)
     """
     # Without glint before and after the track, every spell has a begin and an end.
-    padded = np.pad(glints, ((0, 0), (1, 1)))
-    change = np.diff(padded.astype(np.int8), axis=1)
+    change = np.diff(np.pad(glints, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     draws, begin = np.nonzero(change == 1)
     end = np.nonzero(change == -1)[1]
     if begin.size == 0:

@@ -11,20 +11,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
-from seaglint.climate.table_summary import (
-    CLOUD_EDGES,
-    SECTORS,
-    SPEED_EDGES,
-    ColumnFacts,
-    WeatherFacts,
-    WindCloud,
-    WindRose,
-    correlation,
-    joint_density,
-    missing_shares,
-    month_means,
-    wind_rose,
-)
+from seaglint.climate import table_summary
 from seaglint.climate.weather_columns import model_atmosphere
 from seaglint.climate.weather_selection import Selection, covered
 from seaglint.climate.weather_table import MONTHS, NEEDED, RANGES, TEXTS, TextArray, WeatherTable
@@ -192,23 +179,19 @@ def _filled(columns: dict[str, FloatArray], fill: Mapping[str, float]) -> list[s
 
 def _lacking(table: WeatherTable, selection: Selection) -> list[str]:
     """Return the gaps of a table: rows without wind or cloud, months without rows."""
-    notes = []
-    for name in NEEDED:
-        count = int(np.sum(np.isnan(table[name])))
-        if count:
-            notes.append(f"{count} of {len(table)} rows have no {name}: kept here, left out by what needs it")
+    counts = {name: int(np.sum(np.isnan(table[name]))) for name in NEEDED}
+    notes = [f"{n} of {len(table)} rows have no {name}: kept here, left out by what needs it" for name, n in counts.items() if n]
     present = table.months
     if not present:
         notes.append("no months: every row serves all the year")
         return notes
-    missing = [m for m in selection.months or range(1, 13) if m not in present]
-    if missing:
+    if missing := [m for m in selection.months or range(1, 13) if m not in present]:
         used = table.month_used
         notes.append("no rows in " + ", ".join(f"{MONTHS[m - 1]} (draws in that month use {MONTHS[used[m] - 1]})" for m in missing))
     return notes
 
 
-def describe(path: str | Path) -> tuple[WeatherFile, WeatherFacts]:
+def describe(path: str | Path) -> tuple[WeatherFile, table_summary.WeatherFacts]:
     """Read a table and return it with its facts.
 
     Raises
@@ -218,9 +201,9 @@ def describe(path: str | Path) -> tuple[WeatherFile, WeatherFacts]:
     """
     file = read_weather(path)
     table = file.table
-    rose, joint = wind_rose(table), joint_density(table)
-    speeds = [_plain(edge) for edge in SPEED_EDGES]
-    facts = WeatherFacts(
+    rose, joint = table_summary.wind_rose(table), table_summary.joint_density(table)
+    speeds = [_plain(edge) for edge in table_summary.SPEED_EDGES]
+    facts = table_summary.WeatherFacts(
         path=str(path),
         rows=len(table),
         effective_rows=table.effective_rows,
@@ -231,11 +214,11 @@ def describe(path: str | Path) -> tuple[WeatherFile, WeatherFacts]:
         regions=sorted({str(name) for name in table.text("region")} - {""}),
         atmospheres=_shares(table, "atmosphere"),
         columns={name: _numbers(table, name) for name in table.columns if name != "weight"},
-        missing_share=missing_shares(table),
-        wind_cloud_correlation=_plain(correlation(table)),
-        by_month=month_means(table),
-        wind_rose=WindRose([360.0 * k / SECTORS for k in range(SECTORS)], speeds, rose.tolist()),
-        wind_cloud=WindCloud(speeds, [float(edge) for edge in CLOUD_EDGES], joint.tolist()),
+        missing_share=table_summary.missing_shares(table),
+        wind_cloud_correlation=_plain(table_summary.correlation(table)),
+        by_month=table_summary.month_means(table),
+        wind_rose=table_summary.WindRose([360.0 * k / table_summary.SECTORS for k in range(table_summary.SECTORS)], speeds, rose.tolist()),
+        wind_cloud=table_summary.WindCloud(speeds, [float(edge) for edge in table_summary.CLOUD_EDGES], joint.tolist()),
         notes=[*file.notes, *file.remarks],
     )
     return file, facts
@@ -246,13 +229,13 @@ def _plain(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _numbers(table: WeatherTable, name: str) -> ColumnFacts:
+def _numbers(table: WeatherTable, name: str) -> table_summary.ColumnFacts:
     values = table[name]
     known = values[~np.isnan(values)]
     low, high = (float(known.min()), float(known.max())) if known.size else (float("nan"), float("nan"))
     # The mean of directions, months and hours says nothing: they go around.
     mean = float("nan") if name in ("wind_from_deg", "month", "hour_utc", "longitude_deg") else table.mean(name)
-    return ColumnFacts(_plain(mean), _plain(low), _plain(high), table.missing_share(name))
+    return table_summary.ColumnFacts(_plain(mean), _plain(low), _plain(high), table.missing_share(name))
 
 
 def _shares(table: WeatherTable, name: str) -> dict[str, float]:

@@ -163,8 +163,7 @@ def _kelvin(air: Atmosphere) -> float | None:
 
 def _distance(scenario: Scenario, height: float) -> tuple[str, tuple[float, ...]]:
     """Return the distance of the nearest object whose place is stated in metres, else of the sea in the middle of the picture, else one."""
-    placed = [item for item in scenario.objects or () if item.east_m is not None or item.north_m is not None]
-    if placed:
+    if placed := [item for item in scenario.objects or () if item.east_m is not None or item.north_m is not None]:
         far = [math.hypot(item.east_m or 0.0, item.north_m or 0.0) for item in placed]
         nearest = int(np.argmin(far))
         return placed[nearest].name, (far[nearest],)

@@ -69,13 +69,10 @@ def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> Slo
 
 
 def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
-    match kind:
-        case "cox-munk-isotropic":
-            return cox_munk_isotropic(speed, extrapolate=extrapolate)
-        case "cox-munk-anisotropic":
-            return cox_munk_anisotropic(speed, towards, extrapolate=extrapolate)
-        case _:
-            return cox_munk_gram_charlier(speed, towards, extrapolate=extrapolate)
+    if kind == SLOPE_KINDS[0]:
+        return cox_munk_isotropic(speed, extrapolate=extrapolate)
+    directed = cox_munk_anisotropic if kind == SLOPE_KINDS[1] else cox_munk_gram_charlier
+    return directed(speed, towards, extrapolate=extrapolate)
 
 
 @lru_cache(maxsize=4096)
@@ -176,8 +173,7 @@ def parse_bands(texts: Sequence[str]) -> list[NamedBand]:
         if not match or not 0.0 < float(match[1]) < float(match[2]):
             raise DomainError(f"band '{text}' is not two ascending wavelengths in um; write it as 3.0-5.0")
         bands.append(NamedBand(text.strip(), Band.rectangular(float(match[1]), float(match[2]))))
-    twice = {b.label for b in bands if sum(other.label == b.label for other in bands) > 1}
-    if twice:
+    if twice := {b.label for b in bands if sum(other.label == b.label for other in bands) > 1}:
         raise DomainError(f"band {min(twice)} is asked for twice; name each band once")
     return bands
 
@@ -333,8 +329,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     from seaglint.studies.build.profile_air import model_air
 
     cases.require(MEAN_INPUTS)
-    airs = _airs(cases, bands, extrapolate)
-    covered = next(iter(airs[bands[0].label].values()))
+    covered = next(iter(_airs(cases, bands, extrapolate)[bands[0].label].values()))
     wind, height, marks = _wind_and_height(cases, covered, extrapolate, (covered.height_range[0], TOP_OF_AIR))
     depression = _angles(cases, "depression_deg", -90.0, 90.0)
     sun, azimuth = _angles(cases, "solar_zenith_deg", 0.0, 180.0), _angles(cases, "relative_azimuth_deg", -360.0, 360.0)

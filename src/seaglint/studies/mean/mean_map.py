@@ -328,8 +328,7 @@ class RowAverage:
     def __call__(self, values: FloatArray) -> FloatArray:
         """Return the mean of (elevations, columns) over the elevations of each row (rows, columns)."""
         averaged = values[self.starts]
-        several = np.flatnonzero(self.points > 1)
-        for row in several:  # few: those next to the horizon
+        for row in np.flatnonzero(self.points > 1):  # few: those next to the horizon
             averaged[row] = values[self.starts[row] : self.starts[row] + self.points[row]].mean(axis=0)
         return averaged
 

@@ -58,10 +58,9 @@ def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> Se
     """
     model = sensor_model(scenario)
     rates = platform_rates(scenario, model.exposure_time)
-    sheet = figures(model, mean_radiance(scenario), rates, [1e3 * frequency for frequency in frequencies])
     return SensorDescription(
         seed=model.seed,
-        sheet=sheet,
+        sheet=figures(model, mean_radiance(scenario), rates, [1e3 * frequency for frequency in frequencies]),
         scenario=json.loads(scenario.model_dump_json(exclude_none=True)),
         from_netd=_from_netd(scenario, model),
         air=air_contrast(scenario),

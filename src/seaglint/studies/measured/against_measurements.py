@@ -146,8 +146,7 @@ def scene_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredR
         table = shipped(scene.name).columns
         nu, measured = table["wavenumber_cm"], 1e-3 * table["radiance_mw_m2_sr_cm"]
         light = {name: scene.spectrum(nu, name) for name in spectroscopies}
-        scene_numbers = _light_rows(scene.title, nu, measured, light, scene.bands_um, scene.reasons)
-        rows += scene_numbers
+        rows += _light_rows(scene.title, nu, measured, light, scene.bands_um, scene.reasons)
         spectra.append(_beside(scene.title, nu, measured, light))
     return rows, spectra
 
@@ -161,9 +160,10 @@ def modtran_sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[Mea
     # The table has gaps between its bands; sums over each part need no channels in the gaps.
     parts = np.split(np.arange(nu.size), np.flatnonzero(np.diff(nu) > 20.0) + 1)
     rows: list[MeasuredRow] = []
-    light: dict[Spectroscopy, FloatArray] = {}
-    for name in spectroscopies:
-        light[name] = np.concatenate([sums_with(name, profile, haze, nu[part]).along(0.0, 0.0).emitted for part in parts])
+    light = {
+        name: np.concatenate([sums_with(name, profile, haze, nu[part]).along(0.0, 0.0).emitted for part in parts])
+        for name in spectroscopies
+    }
     for part in parts:
         within = {name: values[part] for name, values in light.items()}
         low, high = nu[part][0], nu[part][-1]
@@ -239,8 +239,7 @@ def buoy_spectrum() -> MeasuredSpectrum:
     """Return the spectrum that the program makes of the buoy's energy and four moments."""
     table = shipped("cdip_spectrum").columns
     first = -(table["a1"] + 1j * table["b1"])  # directions come from there, waves travel to the other side
-    second = table["a2"] + 1j * table["b2"]
-    bands = DirectionalMoments(table["frequency_hz"], table["energy_m2_hz"], first, second)
+    bands = DirectionalMoments(table["frequency_hz"], table["energy_m2_hz"], first, table["a2"] + 1j * table["b2"])
     return spectrum_of(bands, WaveChoice(), 0.0, TITLE)[0]
 
 
@@ -272,7 +271,6 @@ def buoy_rows() -> list[MeasuredRow]:
 
 
 def _buoy_row(quantity: str, unit: str, ours: float, measured: float, uncertainty: str, reason: str) -> MeasuredRow:
-    percent = float("nan") if unit == "deg" else 100.0 * (ours / measured - 1.0)
     return MeasuredRow(
         case=TITLE,
         quantity=quantity,
@@ -280,7 +278,7 @@ def _buoy_row(quantity: str, unit: str, ours: float, measured: float, uncertaint
         unit=unit,
         ours=float(ours),
         measured=float(measured),
-        difference_percent=percent,
+        difference_percent=float("nan") if unit == "deg" else 100.0 * (ours / measured - 1.0),
         uncertainty=uncertainty,
         reason=reason,
     )
@@ -432,9 +430,8 @@ def _path_transmittance(name: Spectroscopy, path: dict[str, float]) -> FloatArra
     out = np.empty(len(BANDS_CM))
     for gases, places in _bands_by_gases(ABSENT | BELOW).items():
         nu, parts = _channels(places)
-        air = sums_with(name, without_gases(profile, gases), NO_HAZE, nu)
         # 30 km up a path of 60 km stays within the air of this profile, whatever the Earth's curvature
-        passed = air.between(3e4, 3e4, 1e3 * path["length_km"])[0]
+        passed = sums_with(name, without_gases(profile, gases), NO_HAZE, nu).between(3e4, 3e4, 1e3 * path["length_km"])[0]
         for j, part in zip(places, parts, strict=True):
             weight = _even(nu[part]) * planck_wavenumber(nu[part], kelvin)
             out[j] = passed[part] @ weight / weight.sum()
@@ -484,11 +481,11 @@ class AgainstMeasurements:
         for (case, spectroscopy), group in groupby(self.rows, key=lambda row: (row.case, row.spectroscopy)):
             rows = list(group)
             out.append(f"{case}{f', {spectroscopy}' if spectroscopy else ''}")
-            head = ("", "ours", "measured", "unit", "diff. %", "diff. K", "rms", "uncertainty")
-            out.append(_aligned(head))
+            out.append(_aligned(("", "ours", "measured", "unit", "diff. %", "diff. K", "rms", "uncertainty")))
             for row in rows:
                 numbers = (_number(row.ours, row.unit), _number(row.measured, row.unit), row.unit)
-                rest = (_fixed(row.difference_percent, 1), _fixed(row.difference_k, 2), _size(row.rms, row.unit))
+                rms = _shown(row.rms, ".3f" if row.unit == "1" else ".2f")
+                rest = (_shown(row.difference_percent, "+.1f"), _shown(row.difference_k, "+.2f"), rms)
                 out.append(_aligned((row.quantity, *numbers, *rest, row.uncertainty)))
             out += [f"  {reason}" for reason in dict.fromkeys(row.reason for row in rows)] + [""]
         return out[:-1]
@@ -525,12 +522,8 @@ def _number(value: float, unit: str) -> str:
     return f"{value:.2f}" if unit == "K" else f"{value:.4g}"
 
 
-def _fixed(value: float | None, digits: int) -> str:
-    return "-" if value is None or np.isnan(value) else f"{value:+.{digits}f}"
-
-
-def _size(value: float | None, unit: str) -> str:
-    return "-" if value is None or np.isnan(value) else f"{value:.{3 if unit == '1' else 2}f}"
+def _shown(value: float | None, form: str) -> str:
+    return "-" if value is None or np.isnan(value) else f"{value:{form}}"
 
 
 def _cell(value: object) -> object:

@@ -93,8 +93,7 @@ def shipped(name: str) -> ShippedTable:
     lines = files("seaglint.studies").joinpath("data", f"measured_{name}.csv").read_text(encoding="utf-8").splitlines()
     facts = dict(line.removeprefix("# ").split(": ", 1) for line in lines if line.startswith("#"))
     head, *rows = (line for line in lines if not line.startswith("#"))
-    numbers = np.loadtxt(rows, delimiter=",", ndmin=2)
-    return ShippedTable(dict(zip(head.split(","), numbers.T, strict=True)), facts)
+    return ShippedTable(dict(zip(head.split(","), np.loadtxt(rows, delimiter=",", ndmin=2).T, strict=True)), facts)
 
 
 #: Numbers fitted to today's line-by-line models, and LOWTRAN7's own.

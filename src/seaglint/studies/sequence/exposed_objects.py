@@ -38,27 +38,13 @@ from seaglint.instrument.local_light import (
     sum_of,
 )
 from seaglint.instrument.scan import ScanPattern
+from seaglint.objects.drawing import sample_sums
 from seaglint.objects.drawing.compose import BodyShare, BodySight, point_light, refracted_picture, sights
 from seaglint.objects.drawing.draw import Drawer, DrawnBodies, PixelPatch, Stage, near
 from seaglint.objects.drawing.eye import FEWEST_CELLS
 from seaglint.objects.drawing.image_path import BEHIND, SHORT, ImagePath, Streak, View, finer, middle_of, place_in_image, stages
 from seaglint.objects.drawing.light import Surroundings
 from seaglint.objects.drawing.prepared_bodies import Placed
-from seaglint.objects.drawing.sample_sums import (
-    ACROSS,
-    COVER,
-    DOWN,
-    DRY,
-    DRY_INSIDE,
-    DRY_SEEN,
-    EMITTED,
-    MIRRORED,
-    PATH,
-    SEEN,
-    SUMS,
-    SUN,
-    WHOLE,
-)
 from seaglint.studies.sequence.scene_objects import SceneObjects
 
 SEGMENT: Final = 0.25  #: Longest motion of an object between two pairs of instants [pixels].
@@ -181,8 +167,7 @@ class ExposurePlan:
             for stage in range(count):
                 begin = (stage / count - 0.5) * exposure
                 times, weights = self._times(path, middle, begin, begin + exposure / count)
-                instant = middle + begin + 0.5 * exposure / count
-                out.append(Drawing(number, path, delay, times, weights / count, instant))
+                out.append(Drawing(number, path, delay, times, weights / count, middle + begin + 0.5 * exposure / count))
         return out
 
     def _report(self, path: ImagePath, ends: tuple[float, float], name: str) -> None:
@@ -235,14 +220,12 @@ class ExposurePlan:
         if not front.any():
             return np.zeros(0), np.zeros(0)
         places = places[:, front]
-        steps = np.hypot(*np.diff(places, axis=1))
-        length = float(steps.sum())
+        length = float(np.hypot(*np.diff(places, axis=1)).sum())
         share = 1.0
         if not front.all():
             first, last = coarse[front][[0, -1]]
             share, begin, end = float(last - first) / (end - begin), float(first), float(last)
-        widest = max(self.view.imager.columns, self.view.imager.rows)
-        if length > widest:
+        if length > max(self.view.imager.columns, self.view.imager.rows):
             # A fast part is inside the picture for a short share of the exposure, which a fine search finds.
             dense = np.linspace(begin, end, 65537)
             column, row = path.at(middle + dense)
@@ -273,8 +256,7 @@ class ExposurePlan:
         for drawing in drawings:
             body = self.drawer.parts[drawing.part].body
             if out[body] is None:
-                ends = [self._end(drawing, time, sign * half) for sign in (-1.0, 1.0)]
-                out[body] = Streak.of(drawing.path, *ends)
+                out[body] = Streak.of(drawing.path, *[self._end(drawing, time, sign * half) for sign in (-1.0, 1.0)])
         return tuple(out)
 
     def _end(self, drawing: Drawing, time: float, half: float) -> float:
@@ -293,7 +275,8 @@ LARGE: Final = 128.0  #: Size from which an object is drawn in the fine pixels o
 
 IN_STEP: Final = 0.05  #: Motion of an object within which rows or columns of a picture count as of one instant [pixels].
 
-SUMMED: Final = [SEEN, DRY_INSIDE, DRY_SEEN]  #: Sums that are averaged over the instants of an exposure.
+#: Sums that are averaged over the instants of an exposure.
+SUMMED: Final = [sample_sums.SEEN, sample_sums.DRY_INSIDE, sample_sums.DRY_SEEN]
 
 #: Coverage of a pixel, relative to the largest, above which an object touches it: boxes of light reach a little beyond its outline.
 TOUCHED: Final = 1e-3
@@ -467,15 +450,14 @@ class ExposedObjects:
         whole: dict[int, Drawing] = {}
         for drawing in drawings:
             before = whole.get(drawing.part)
-            joined = drawing if before is None else _together(before, drawing)
-            whole[drawing.part] = replace(joined, drawn_at=time)
+            whole[drawing.part] = replace(drawing if before is None else _together(before, drawing), drawn_at=time)
         numbered = ((replace(whole[parts[id(p.placed.part)]], image=n), p) for n, p in enumerate(picture.patches))
         return [(drawing, patch, float(self.fine)) for drawing, patch in numbered if drawing.times.size]
 
     def _boxes(self, patch: PixelPatch, scale: float, pose: Pose, backdrop: Backdrop, light: Surroundings) -> Boxes:
         """Return the light of a patch as boxes at places in the detector's picture."""
         if patch.clear > 0.0:
-            column, row = float(patch.sums[ACROSS]) / scale, float(patch.sums[DOWN]) / scale
+            column, row = float(patch.sums[sample_sums.ACROSS]) / scale, float(patch.sums[sample_sums.DOWN]) / scale
             # A point has no area, so its light is spread over the solid angle of one pixel.
             solid = float(self.imager.solid_angle(pose.attitude, column, row))
             counted, radiance = point_light(patch, solid, behind(backdrop, column, row), light)
@@ -483,8 +465,8 @@ class ExposedObjects:
             return Boxes(values[0], values[1], values[2], values[3], values[4], 0.0)
         # A fine pixel is this part of a detector's pixel.
         area = 1.0 / scale**2
-        cover = patch.planes[COVER] * area
-        radiance = patch.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0) * area
+        cover = patch.planes[sample_sums.COVER] * area
+        radiance = patch.planes[[sample_sums.PATH, sample_sums.EMITTED, sample_sums.MIRRORED, sample_sums.SUN]].sum(axis=0) * area
         counted = patch.counted * area
         lit = np.nonzero((cover > 0.0) | (radiance > 0.0))
         columns = patch.columns.astype(np.float64)
@@ -558,23 +540,25 @@ class ExposedObjects:
 
     def _averaged(self, some: Sequence[tuple[PixelPatch, float, Drawing]], time: float, shift: tuple[float, float]) -> PixelPatch:
         """Return the patch of a part with sums averaged over the instants of an exposure, in the detector's pixels, without pixels."""
-        sums, line, places, total = np.zeros(SUMS), np.zeros(2), np.zeros(2), 0.0
+        sums, line, places, total = np.zeros(sample_sums.SUMS), np.zeros(2), np.zeros(2), 0.0
         for patch, scale, drawing in some:
             instants, weight = self._instants(drawing, time + drawing.delay, shift), float(drawing.weights.sum())
             offset = np.array([instants.across @ instants.weight, instants.down @ instants.weight]) / weight
-            own = patch.sums[[ACROSS, DOWN]] / scale
+            own = patch.sums[[sample_sums.ACROSS, sample_sums.DOWN]] / scale
             sums[SUMMED] += weight * patch.sums[SUMMED]
             line += weight * patch.lines.sum(axis=1)
             if patch.placed.radius > 0.0:
-                sums[[ACROSS, DOWN]] += weight * (own + patch.sums[SEEN] * offset)
+                sums[[sample_sums.ACROSS, sample_sums.DOWN]] += weight * (own + patch.sums[sample_sums.SEEN] * offset)
             elif patch.clear > 0.0:
                 # a point has its mean place in the picture; if it is never inside, the mean of all its places
                 share = weight * (1.0 if patch.lines[1].any() else 1e-9)
                 # The tiny weight counts only if the point is never inside the picture.
                 places, total = places + share * (own + offset), total + share
         if total > 0.0:
-            sums[[ACROSS, DOWN]] = places / total
-        sums[[WHOLE, DRY]] = np.mean([patch.sums[[WHOLE, DRY]] for patch, _, _ in some], axis=0)
+            sums[[sample_sums.ACROSS, sample_sums.DOWN]] = places / total
+        sums[[sample_sums.WHOLE, sample_sums.DRY]] = np.mean(
+            [patch.sums[[sample_sums.WHOLE, sample_sums.DRY]] for patch, _, _ in some], axis=0
+        )
         middle = some[len(some) // 2][0]
         clear = max(patch.clear for patch, _, _ in some)
         return replace(middle, rows=np.zeros(1, np.int64), sums=sums, lines=line[:, None], clear=clear)

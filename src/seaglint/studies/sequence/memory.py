@@ -7,6 +7,7 @@ import math
 import os
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from seaglint.base.errors import DataError, ScenarioError
@@ -59,18 +60,14 @@ def memory_needed(scenario: Scenario, oversampling: int = 1, model: SensorModel 
 def memory_available() -> int | None:
     """Return the available memory [bytes]: the system's, or a container's limit if that is less; None if it is unknown."""
     limits = []
-    try:
+    with suppress(OSError, ValueError):
         for line in Path("/proc/meminfo").read_text().splitlines():
             if line.startswith("MemAvailable:"):
                 limits.append(1024 * int(line.split()[1]))
-    except (OSError, ValueError):
-        pass
-    try:
+    with suppress(OSError, ValueError):
         limit = Path("/sys/fs/cgroup/memory.max").read_text().strip()
         if limit != "max":
             limits.append(int(limit) - int(Path("/sys/fs/cgroup/memory.current").read_text()))
-    except (OSError, ValueError):
-        pass
     if not limits and hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
         limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     return max(min(limits), 0) if limits else None

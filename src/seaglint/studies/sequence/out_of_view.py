@@ -143,13 +143,11 @@ def _gap(pixels: Imager, pose: Pose, place: FloatArray, size: float, spare: floa
         spread = math.tan(off + angle) - math.tan(off)
         across, down = spread / view.across[1], spread / -view.down[1]
     else:
-        elevation = view.down[0] + view.down[1] * row
-        reach = math.cos(elevation)
+        reach = math.cos(view.down[0] + view.down[1] * row)
         # Columns are steps of azimuth, so a ball is wider in azimuth by the cosine of elevation.
         across = math.asin(math.sin(angle) / reach) / view.across[1] if angle < 0.5 * math.pi and math.sin(angle) < reach else math.inf
         down = angle / -view.down[1]
-    gap = max(-column - across, column - pixels.columns - across, -row - down, row - pixels.rows - down)
-    return column, row, gap
+    return column, row, max(-column - across, column - pixels.columns - across, -row - down, row - pixels.rows - down)
 
 
 def _step(before: tuple[float, float], after: tuple[float, float], pixels: Imager) -> float:

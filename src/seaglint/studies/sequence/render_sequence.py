@@ -278,11 +278,8 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
             return scene if shift is None else RefractedScene(scene, shift)
     else:
         require_standard_refraction(scenario)
-        sea, imager, at = (
-            scenario_physics.sea(scenario, slopes(scenario)),
-            scenario_physics.imager(scenario),
-            scenario_physics.view_at(scenario),
-        )
+        sea = scenario_physics.sea(scenario, slopes(scenario))
+        imager, at = scenario_physics.imager(scenario), scenario_physics.view_at(scenario)
         track = scenario_physics.track(scenario, sea.waves)
 
         def prepared(sun: SunPosition) -> Scene:

@@ -213,10 +213,8 @@ class SceneObjects:
 
         Sights, sea and ``camera``, with its attitude, belong to the stored pixels.
         """
-        kelvin = self.drawer.light(scene.view).kelvin
-        numbers, masks, which = labels(seen, sea, kelvin, around=scene.pixels.goes_round)
-        sizes = size_classes(numbers, *camera)
-        return {**numbers, "size_class": sizes, "object_mask": packed(masks), "object_id": which}
+        numbers, masks, which = labels(seen, sea, self.drawer.light(scene.view).kelvin, around=scene.pixels.goes_round)
+        return {**numbers, "size_class": size_classes(numbers, *camera), "object_mask": packed(masks), "object_id": which}
 
     def streaks(self, view: View, time: float) -> tuple[Streak | None, ...]:
         """Return place and speed of each object in the image at a time [s]."""

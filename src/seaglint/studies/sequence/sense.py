@@ -218,12 +218,18 @@ def prepare_sense(
     model = sensor_model(scenario, seed)
     if recording.frame_rate:
         model = replace(model, frame_interval=1.0 / recording.frame_rate)
-        _require_exposure(model, recording)
+        if model.exposure_time > model.frame_interval * (1.0 + 1e-9):
+            raise DataError(
+                f"{recording.source}: its frames are {model.frame_interval:g} s apart, and sensor.detector.integration_time_s is "
+                f"{model.exposure_time:g} s, longer than a frame; shorten it, or give frame_rate"
+            )
     if known.band is not None:
         _require_band(known.band, model.photons.band)
     times = _oversampling(model, known, oversampling)
-    shape = _divided((recording.rows, recording.columns), times, recording.source)
-    rows, columns = shape
+    try:
+        rows, columns = shape = require_divides((recording.rows, recording.columns), times)
+    except DomainError as error:
+        raise DataError(f"{recording.source}: {error}") from error
     _require_blur(model, shape, times, recording.source)
     # A recording narrower than the scenario's picture is no full turn.
     model = replace(model, circle=model.circle and columns == scenario.sensor.pixels[0])
@@ -307,21 +313,12 @@ def sensed_dataset(frames: SensedFrames, layout: Layout) -> xr.Dataset:
 def _require_radiance(model: SensorModel, recording: Recording) -> SensorModel:
     """Return the model, or refuse a recording whose values are no radiances."""
     units = (recording.units or "").strip()
-    wrong = {"K", "kelvin", "degC", "count", "counts", "DN", "1"}
-    if units in wrong:
+    if units in {"K", "kelvin", "degC", "count", "counts", "DN", "1"}:
         raise DataError(
             f"{recording.source}: its values are in '{units}'; a sensor is put on radiance at the aperture, W m-2 sr-1: give another "
             "variable, or convert it"
         )
     return model
-
-
-def _require_exposure(model: SensorModel, recording: Recording) -> None:
-    if model.exposure_time > model.frame_interval * (1.0 + 1e-9):
-        raise DataError(
-            f"{recording.source}: its frames are {model.frame_interval:g} s apart, and sensor.detector.integration_time_s is "
-            f"{model.exposure_time:g} s, longer than a frame; shorten it, or give frame_rate"
-        )
 
 
 def _require_band(given: Band, own: Band) -> None:
@@ -345,13 +342,6 @@ def _oversampling(model: SensorModel, known: Source, given: int | None) -> int:
             "number of them; give oversampling, or correct sensor.optics"
         )
     return nearest
-
-
-def _divided(shape: tuple[int, int], oversampling: int, source: str) -> tuple[int, int]:
-    try:
-        return require_divides(shape, oversampling)
-    except DomainError as error:
-        raise DataError(f"{source}: {error}") from error
 
 
 def _require_blur(model: SensorModel, shape: tuple[int, int], oversampling: int, source: str) -> None:

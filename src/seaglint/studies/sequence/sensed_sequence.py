@@ -166,8 +166,7 @@ class _FinePictures:
         assert self.objects is not None
         if self.lit is None or self.lit[0] != number:
             time = number / self.sequence.layout.frame_rate
-            scene = self.sequence.scene_at(time)
-            self.lit = (number, self.objects.light(scene, time, self(number), self.rates(number)))
+            self.lit = (number, self.objects.light(self.sequence.scene_at(time), time, self(number), self.rates(number)))
         return self.lit[1]
 
     def added(self, number: int) -> NDArray[np.float32] | None:
@@ -279,8 +278,7 @@ def prepare_sensed(
     if sequence.objects is not None:
         objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, pattern, n)
     # Objects are composed into the fine picture only if a written layer needs it; counts add them separately.
-    compose = bool(radiance or derived or scenario.render.layers)
-    drawn = _FinePictures(sequence, pattern, n, objects, rates, compose)
+    drawn = _FinePictures(sequence, pattern, n, objects, rates, bool(radiance or derived or scenario.render.layers))
     sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added, drawn=True)
     fine_layout = sequence.layout
     layout = replace(
@@ -319,7 +317,4 @@ def _require_track(sequence: Sequence, pattern: ScanPattern, pixels: tuple[int, 
 
 def _coarse(angles: FloatArray, n: int) -> FloatArray:
     """Return directions of the detector's pixels: means over the fine pixels, of columns or rows, or of all pixels."""
-    if angles.ndim == 1:
-        return np.asarray(angles.reshape(-1, n).mean(axis=1))
-    rows, columns = angles.shape[0] // n, angles.shape[1] // n
-    return np.asarray(angles.reshape(rows, n, columns, n).mean(axis=(1, 3)))
+    return np.asarray(angles.reshape(-1, n).mean(axis=1)) if angles.ndim == 1 else binned_image(angles, n)

@@ -138,7 +138,8 @@ def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     pose, imager = scenario_physics.track(scenario).at(0.0), scenario_physics.imager(scenario)
     shared = shared_view(scenario, pose.height)
     view = shared.under(sun_position(scenario))
-    elevation, azimuth = at.elevations(pose.height), _azimuths(at, pose.attitude.azimuth)
+    elevation = at.elevations(pose.height)
+    azimuth = np.array([pose.attitude.azimuth]) if at.azimuth_deg is None else np.radians(np.array(at.azimuth_deg))
     if scenario.mean.mode == "article":
         view = scenario_physics.article_view(scenario, view)
         components = article_radiance(view, elevation, azimuth)
@@ -155,10 +156,6 @@ def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
         for name, value in zip(("radiance", "apparent_temperature", *MAPS), values, strict=True)
     }
     return CaseResult(variables, _coordinates(at), band_attributes(view.band))
-
-
-def _azimuths(at: ViewAngles, own: float) -> FloatArray:
-    return np.array([own]) if at.azimuth_deg is None else np.radians(np.array(at.azimuth_deg))
 
 
 def _shaped(values: FloatArray, shape: tuple[int, int], at: ViewAngles) -> FloatArray:
@@ -182,8 +179,7 @@ def air_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     if at.azimuth_deg is not None:
         raise DataError(f"at: the air between sea and sensor does not depend on {AZIMUTH}; give {ZENITH} alone with what = 'atmosphere'")
     height = scenario_physics.track(scenario).at(0.0).height
-    zenith = np.radians(np.array(at.zenith_deg))
-    return _air(scenario, height, at.elevations(height), zenith, (ZENITH,), _coordinates(at))
+    return _air(scenario, height, at.elevations(height), np.radians(np.array(at.zenith_deg)), (ZENITH,), _coordinates(at))
 
 
 def air_of_rows(scenario: Scenario) -> CaseResult:
@@ -261,7 +257,7 @@ def computer(what: str | Callable[[Scenario], Any], at: ViewAngles | None) -> Co
     if at is not None and what not in ("mean", "atmosphere"):
         raise DataError(f"at: view angles go with mean and atmosphere, not with what = '{what}'; leave `at` out")
     if at is None:
-        return {**_COMPUTERS, "atmosphere": _air_of_rows}[what]
+        return {**_COMPUTERS, "atmosphere": air_of_rows}[what]
 
     chosen = mean_at if what == "mean" else air_at
     return lambda scenario: chosen(scenario, at)
@@ -361,11 +357,6 @@ def _likelihood(scenario: Scenario) -> CaseResult:
         {"threshold": column([row.threshold_w_m2_sr for row in rows], "threshold of the radiance of glint", "W m-2 sr-1")},
         {"notes": "\n".join(summary.notes)} if summary.notes else {},
     )
-
-
-def _air_of_rows(scenario: Scenario) -> CaseResult:
-
-    return air_of_rows(scenario)
 
 
 _COMPUTERS: Final[dict[str, Compute]] = {"mean": _mean, "image": _image, "sensor": _sensor, "likelihood": _likelihood}

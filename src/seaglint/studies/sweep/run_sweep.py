@@ -396,10 +396,8 @@ class CollectedCases:
         for name, array in _all(first).items():
             values = array.values
             # Whole numbers, booleans and texts cannot be missing, so their type changes if cases may fail.
-            kind = values.dtype if values.dtype.kind in "fcmM" or not self.settings.keep_going else None
-            if kind is None:
-                kind = np.dtype(object) if values.dtype.kind in "UO" else np.dtype(np.float64)
-            elif kind.kind == "U":
+            kind = values.dtype if values.dtype.kind in "fcmM" or not self.settings.keep_going else np.dtype(np.float64)
+            if values.dtype.kind in "UO":
                 kind = np.dtype(object)
             self.arrays[name] = np.full((count, *values.shape), _missing(kind), dtype=kind)
 
@@ -416,8 +414,7 @@ class CollectedCases:
         shape = self.settings.plan.shape
         values = {name: array.reshape(*shape, *array.shape[1:]) for name, array in self.arrays.items()}
         result = _dataset(self.settings, self.first, values, self.failures, self.band)
-        idle = self._without_effect(values)
-        if idle:
+        if idle := self._without_effect(values):
             log.warning("sweep: %s changes nothing of %s: the values are the same all along it", " and ".join(idle), self.settings.title)
             result.attrs["without_effect"] = ", ".join(idle)
         return result
@@ -426,10 +423,9 @@ class CollectedCases:
         """Return the swept keys along which all numbers are the same: the quantity does not depend on them."""
         assert self.first is not None
         numbers = [values[name] for name in self.first.variables if values[name].dtype.kind in "fciu"]
-        names = [key.name for key in self.settings.plan.keys]
         return [
             name
-            for axis, name in enumerate(names)
+            for axis, name in enumerate([key.name for key in self.settings.plan.keys])
             if self.settings.plan.shape[axis] > 1 and numbers and all(_same_along(array, axis) for array in numbers)
         ]
 
@@ -475,8 +471,7 @@ def _dataset(
         **(band or {}),
     )
     if failures:
-        first_failures = "; ".join(list(failures.values())[:_MOST_NAMED])
-        attributes |= {"failed_cases": len(failures), "failures": first_failures}
+        attributes |= {"failed_cases": len(failures), "failures": "; ".join(list(failures.values())[:_MOST_NAMED])}
     dataset = xr.Dataset(data, coords=coords, attrs=plain_attributes(attributes))
     return dataset if callable(settings.what) else labelled(dataset)  # names of a user's function are its own
 

@@ -10,6 +10,7 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -146,10 +147,8 @@ def _coordinate(name: str, key: Key | None, values: tuple[Any, ...]) -> NDArray[
         numbers = [_number(name, value, quantity.unit) for value in values]
         return np.array(numbers, dtype=np.int64 if quantity.integer and all(isinstance(n, int) for n in numbers) else np.float64)
     if (key is not None and key.info.annotation is datetime) or any(isinstance(value, datetime) for value in values):
-        try:
+        with suppress(TypeError, ValueError):  # the scenario reports the mistake
             return np.array([_utc(value) for value in values], dtype="datetime64[ns]")
-        except (TypeError, ValueError):
-            pass  # the scenario reports the mistake
     return np.array([label(name, value) for value in values], dtype=np.str_)
 
 
@@ -299,8 +298,7 @@ class SweepPlan:
         try:
             return parse_scenario(tables, name=name, base=self.folder)
         except ScenarioError as error:
-            first = str(error).splitlines()[0]
-            raise ScenarioError(first, mistakes=error.mistakes[:1]) from None
+            raise ScenarioError(str(error).splitlines()[0], mistakes=error.mistakes[:1]) from None
 
     def check(self) -> None:
         """Refuse values that no scenario may have before anything is computed: each value of a key with the first values of the others.
@@ -392,13 +390,11 @@ class ViewAngles:
         """
         if given is None or isinstance(given, ViewAngles):
             return given
-        unknown = sorted(set(given) - {ZENITH, AZIMUTH})
-        if unknown:
+        if unknown := sorted(set(given) - {ZENITH, AZIMUTH}):
             raise DataError(f"at: {unknown[0]} is unknown; give {ZENITH} and {AZIMUTH}")
         if ZENITH not in given:
             raise DataError(f"at: {ZENITH} is missing; give zenith angles at the sea, 0 to below 90 deg")
-        zenith = _angles(ZENITH, given[ZENITH])
-        return cls(zenith, _angles(AZIMUTH, given[AZIMUTH]) if AZIMUTH in given else None)
+        return cls(_angles(ZENITH, given[ZENITH]), _angles(AZIMUTH, given[AZIMUTH]) if AZIMUTH in given else None)
 
     @property
     def dims(self) -> tuple[str, ...]:

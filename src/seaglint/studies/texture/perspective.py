@@ -116,8 +116,7 @@ class PeriodicField:
 
     def frame(self, number: int) -> FloatArray:
         """Return the field in a frame as the sensor sees it, variance 1 (rows, columns) [1]; 0 above the horizon."""
-        profile = self._profile(number)
-        sums = _running(profile, self._edges)
+        sums = _running(self._profile(number), self._edges)
         out = np.zeros(self._shape)
         out[self._rows] = np.diff(sums, axis=1) / np.diff(self._edges, axis=1) / self.spread[:, None]
         return out

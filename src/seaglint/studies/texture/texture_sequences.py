@@ -113,15 +113,13 @@ def detrended(frames: Frames) -> Frames:
     """Return frames without slow changes of mean and contrast: both have their average everywhere."""
     from scipy.ndimage import uniform_filter
 
-    image = frames.mean(axis=0, dtype=np.float64)
-    trend = trend_surface(image)
+    trend = trend_surface(frames.mean(axis=0, dtype=np.float64))
     # One trend for all frames, so that changes in time remain.
     remainder = frames - trend
     power = (remainder**2).mean(axis=0)
     # Logarithms of means over some pixels: a surface through powers themselves passes 0 beside a bright edge.
     local = uniform_filter(power, size=[max(n // AVERAGED, 1) for n in power.shape])
-    spread = np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * power.mean())), degree=2))
-    flat = remainder / spread
+    flat = remainder / np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * power.mean())), degree=2))
     return np.asarray(trend.mean() + math.sqrt(float(power.mean())) * flat / flat.std(), np.float32)
 
 
@@ -319,9 +317,8 @@ def loop(stored: StoredTexture, request: SampleRequest) -> xr.Dataset:
     field = draw(stored, size, frames, request.seed)
     layout = _layout(stored, request)
     numbers = np.arange(frames)
-    about = {**VARIABLES["texture"].attributes, **layout.details["texture"]}
     return xr.Dataset(
-        {"texture": (("time", "y", "x"), field, about)},
+        {"texture": (("time", "y", "x"), field, {**VARIABLES["texture"].attributes, **layout.details["texture"]})},
         {"time": ("time", numbers / layout.frame_rate, VARIABLES["time"].attributes), "frame": ("time", numbers)},
         plain_attributes(layout.all_attributes),
     )
