@@ -382,8 +382,7 @@ def _sequence_scales(
     scales = {}
     for name, (count, total, squares) in sums.items():
         level = float(total) / float(count) if count else 0.0
-        variance = float(squares) / float(count) - level**2 if count else 0.0
-        scales[name] = (level, float(np.sqrt(max(variance, 0.0))))
+        scales[name] = (level, float(np.sqrt(max(float(squares) / float(count) - level**2 if count else 0.0, 0.0))))
     return scales
 
 

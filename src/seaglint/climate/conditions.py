@@ -78,8 +78,7 @@ def arc(day: FloatArray, latitude: FloatArray, longitude: FloatArray) -> tuple[F
     # Equation of time [rad]: the true Sun passes south this much after the mean one.
     equation_of_time = 0.000075 + 0.001868 * np.cos(x) - 0.032077 * np.sin(x) - 0.014615 * np.cos(2 * x) - 0.040849 * np.sin(2 * x)
     phi = np.radians(latitude)
-    across = np.maximum(np.cos(phi) * np.cos(declination), 1e-9)
-    cosine = (math.sin(_DUSK) - np.sin(phi) * np.sin(declination)) / across
+    cosine = (math.sin(_DUSK) - np.sin(phi) * np.sin(declination)) / np.maximum(np.cos(phi) * np.cos(declination), 1e-9)
     return 12.0 - longitude / 15.0 - equation_of_time * _HALF_DAY / math.pi, np.arccos(np.clip(cosine, -1.0, 1.0)) * _HALF_DAY / math.pi
 
 
@@ -428,8 +427,7 @@ def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time:
     weight, wind, cover, of_month, hour = (table[name][some] for name in ("weight", "wind_speed_m_s", "cloud_cover", "month", "hour_utc"))
     hour = hour % 24.0
     used = month_used(of_month, weight)
-    month = months_of(time)
-    key = np.array([0, *(used.get(m, 0) for m in range(1, 13))])[month]
+    key = np.array([0, *(used.get(m, 0) for m in range(1, 13))])[months_of(time)]
     hours = np.unique(hour[weight > 0.0])
     hours = hours[:0] if np.isnan(hours).any() or hours.size < 2 else hours
     at_hour = _nearest(time % _DAY / 3600.0, hours) if hours.size else np.zeros(time.size, dtype=np.intp)
@@ -475,8 +473,7 @@ def _of_rows(table: WeatherTable, uniform: Mapping[str, FloatArray], when: Times
     known = ~np.isnan(hour[rows])
     if known.any():
         # Each report stands for the time until its neighbours': hours are spread evenly about it.
-        width = 24.0 / max(np.unique(hour[~np.isnan(hour)] % 24.0).size, 1)
-        around = (hour[rows] + width * (uniform["hour"] - 0.5)) % 24.0
+        around = (hour[rows] + (24.0 / max(np.unique(hour[~np.isnan(hour)] % 24.0).size, 1)) * (uniform["hour"] - 0.5)) % 24.0
         time = np.where(known, time - time % _DAY + 3600.0 * around, time)
     return Conditions(np.asarray(rows, dtype=np.int64), time, table["latitude_deg"][rows], table["longitude_deg"][rows])
 

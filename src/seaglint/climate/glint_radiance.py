@@ -77,8 +77,7 @@ class WindSlopes(NamedTuple):
 def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) -> WindSlopes:
     """Tabulate slopes between two winds [m/s]."""
     low, high = winds
-    count = max(int(np.ceil((high - low) / _STEP)) + 1, 2)
-    nodes = np.linspace(low, max(high, low + 1e-6), count)
+    nodes = np.linspace(low, max(high, low + 1e-6), max(int(np.ceil((high - low) / _STEP)) + 1, 2))
     statistics = [floored(slopes_at(float(min(wind, high)))) for wind in nodes]
     deviations = np.array([math.sqrt(0.5 * s.mss) for s in statistics])
     table = np.array([[s.mss_up, s.mss_cross, *s.coefficients] for s in statistics])
@@ -446,7 +445,5 @@ def exceeded_by(radiance: FloatArray, illuminated: FloatArray, shares: Sequence[
     """
     order = np.argsort(radiance)[::-1]
     each = np.ones(radiance.size) if weight is None else weight
-    above = np.cumsum((illuminated * each)[order]) / each.sum()
-    at = np.searchsorted(above, np.asarray(shares), side="left")
-    values = np.append(np.where(radiance[order] > 1e-200, radiance[order], 0.0), 0.0)
-    return np.asarray(values[np.minimum(at, radiance.size)])
+    at = np.searchsorted(np.cumsum((illuminated * each)[order]) / each.sum(), np.asarray(shares), side="left")
+    return np.asarray(np.append(np.where(radiance[order] > 1e-200, radiance[order], 0.0), 0.0)[np.minimum(at, radiance.size)])

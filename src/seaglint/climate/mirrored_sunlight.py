@@ -255,8 +255,7 @@ def view_range_kernel(height: float, low: float, high: float) -> tuple[float, fl
     """
     scale = math.acos(EFFECTIVE_EARTH_RADIUS / (EFFECTIVE_EARTH_RADIUS + height))
     first = math.asinh(max(elevation_kernel(height, low), 0.0) / scale)
-    last = math.asinh(max(elevation_kernel(height, high), 0.0) / scale)
-    return scale, first, max(last, first + 1e-3)
+    return scale, first, max(math.asinh(max(elevation_kernel(height, high), 0.0) / scale), first + 1e-3)
 
 
 def view_elevations(height: float, depression: tuple[float, float], share: FloatArray) -> FloatArray:

@@ -79,8 +79,7 @@ def significant_height(wind_waves: ArrayLike, swell: ArrayLike) -> FloatArray:
     [5.0, 1.0]
     """
     a, b = np.asarray(wind_waves, dtype=np.float64), np.asarray(swell, dtype=np.float64)
-    both = np.hypot(np.nan_to_num(a), np.nan_to_num(b))
-    return np.where(np.isnan(a) & np.isnan(b), np.nan, both)
+    return np.where(np.isnan(a) & np.isnan(b), np.nan, np.hypot(np.nan_to_num(a), np.nan_to_num(b)))
 
 
 def west_east(longitude: ArrayLike) -> FloatArray:

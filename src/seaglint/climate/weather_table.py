@@ -143,8 +143,7 @@ class WeatherTable:
 
     def missing_share(self, name: str) -> float:
         """Weighted share of the rows without a value."""
-        lacks = self.text(name) == "" if name in TEXTS else np.isnan(self[name])
-        return float(np.sum(self.probability[lacks]))
+        return float(np.sum(self.probability[self.text(name) == "" if name in TEXTS else np.isnan(self[name])]))
 
     def take(self, rows: NDArray[np.integer] | NDArray[np.bool_]) -> WeatherTable:
         """Return rows by index or mask, in their order, with their weights.

@@ -107,8 +107,7 @@ def _rounded(out: NDArray[np.float64], source: NDArray[np.floating]) -> Frames:
     """Return single precision values, with the rounding residue of a constant set to 0, so that it has no sigma."""
     finite = source[np.isfinite(source)]
     # A constant filtered in double precision leaves some 1e-16 of its level.
-    level = 1e-12 * float(np.abs(finite).max()) if finite.size else 0.0
-    return np.where(np.abs(out) <= level, 0.0, out).astype(np.float32)
+    return np.where(np.abs(out) <= (1e-12 * float(np.abs(finite).max()) if finite.size else 0.0), 0.0, out).astype(np.float32)
 
 
 def _odd(size: int, what: str) -> int:
@@ -308,8 +307,7 @@ class MatchedFilter:
             values, vectors = np.linalg.eigh(matrix)
             inverse = 1.0 / np.maximum(values, 1e-6 * c[reach, reach])
             solved = (vectors * inverse) @ (vectors.T @ np.stack([flat, np.ones_like(flat)], 1))
-        level = solved[:, 0].sum() / solved[:, 1].sum()
-        h = solved[:, 0] - level * solved[:, 1]
+        h = solved[:, 0] - (solved[:, 0].sum() / solved[:, 1].sum()) * solved[:, 1]
         return np.asarray((h / (flat @ h)).reshape(s.shape))
 
     @property
@@ -352,8 +350,7 @@ def autocovariance(frames: ArrayLike, reach: int) -> NDArray[np.float64]:
     from scipy.fft import irfft2, next_fast_len, rfft2
 
     valid = np.isfinite(source)
-    number = np.maximum(valid.sum((1, 2), keepdims=True), 1)
-    mean = np.where(valid, source, 0.0).sum((1, 2), keepdims=True) / number
+    mean = np.where(valid, source, 0.0).sum((1, 2), keepdims=True) / np.maximum(valid.sum((1, 2), keepdims=True), 1)
     size = (next_fast_len(rows + reach, True), next_fast_len(columns + reach, True))
     products, pairs = np.zeros(size), np.zeros(size)
     for values, exists in zip(np.where(valid, source - mean, 0.0), valid.astype(np.float64), strict=True):

@@ -65,8 +65,7 @@ class Labels:
         if GROUP not in root:
             raise DataError(f"{path}: holds no objects; labels are of sequences whose scenario has [[objects]]: add some and render again")
         group = root[GROUP]
-        names = tuple(str(name) for name in group.attrs["objects"])
-        return cls(path, names, frames, tuple(group["object_id"].shape[1:]), group)
+        return cls(path, tuple(str(name) for name in group.attrs["objects"]), frames, tuple(group["object_id"].shape[1:]), group)
 
     def never_seen(self) -> list[str]:
         """Return a text for each object that no frame shows: name, reason, and place in the first frame."""
@@ -93,8 +92,7 @@ class Labels:
             # sequences of earlier versions lack some numbers
             unknown = np.full(len(self.names), np.nan)
             numbers = {name: self._group[name][index] if name in self._group else unknown for name in NUMBERS}
-            masks = unpacked(self._group["object_mask"][index], len(self.names))
-            for n, (name, mask) in enumerate(zip(self.names, masks, strict=True)):
+            for n, (name, mask) in enumerate(zip(self.names, unpacked(self._group["object_mask"][index], len(self.names)), strict=True)):
                 yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, mask)
 
 
@@ -132,8 +130,7 @@ def label_dataset(labels: Labels) -> xr.Dataset:
 def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
     """Return the lengths of runs of a mask, column by column from its upper left corner, the first outside it (COCO's counts)."""
     flat = mask.T.ravel()  # column by column, as COCO counts
-    edges = np.flatnonzero(np.diff(flat)) + 1
-    runs = np.diff(np.concatenate([[0], edges, [flat.size]])).tolist()
+    runs = np.diff(np.concatenate([[0], np.flatnonzero(np.diff(flat)) + 1, [flat.size]])).tolist()
     return [0, *runs] if flat.size and flat[0] else runs
 
 

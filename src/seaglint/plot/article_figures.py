@@ -181,8 +181,7 @@ def draw_figure_3(dataset: xr.Dataset) -> Figure:
         bright = upper.pcolormesh(sensor, rows, np.maximum(glint, dimmest), norm=log, cmap="inferno", shading="gouraud")
         warm = lower.pcolormesh(sensor, rows, apparent, vmin=290.0, vmax=hottest, cmap="inferno", shading="gouraud")
         # Labels find no good place on finer lines: they go to the crowded edge at the horizon.
-        bright_lines = upper.contour(sensor, rows[::4], glint[::4], levels=_ROUND, colors="w", linewidths=0.6)
-        upper.clabel(bright_lines, fontsize=7, fmt="%g")
+        upper.clabel(upper.contour(sensor, rows[::4], glint[::4], levels=_ROUND, colors="w", linewidths=0.6), fontsize=7, fmt="%g")
         drawn = lower.contour(sensor, rows[::4], apparent[::4], levels=levels, colors="w", linewidths=0.6)
         shown = [level for level in levels if level in (300.0, 320.0, 340.0, 360.0, 400.0, 460.0, 520.0)]
         lower.clabel(drawn, levels=shown, fontsize=7, fmt="%g")
@@ -226,8 +225,7 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
         for (i, j), axes in np.ndenumerate(panels):
             floored = np.maximum(values[i, j], lowest)
             image = axes.imshow(floored, norm=scale, cmap="inferno", extent=extent, origin="upper", aspect="equal", interpolation="nearest")
-            lines = values[i, j].max() * np.array(_SHARES)
-            axes.contour(azimuth, elevation, values[i, j], levels=lines, colors="c", linewidths=0.7)
+            axes.contour(azimuth, elevation, values[i, j], levels=values[i, j].max() * np.array(_SHARES), colors="c", linewidths=0.7)
             axes.tick_params(labelsize=8)
             if i == 0:
                 axes.set_title("wind from the Sun" if directions[j] == 0.0 else f"{directions[j]:g}° right of the Sun", fontsize=9)

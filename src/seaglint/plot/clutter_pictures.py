@@ -352,8 +352,7 @@ def histogram_edges(values: NDArray[Any]) -> FloatArray:
         # 1e-9 keeps a width that is a whole number but for rounding.
         step = float(max(math.ceil(width - 1e-9), 1))
         return np.arange(low - 0.5, high + 0.5 + step, step)
-    number = min(max(math.ceil((high - low) / width), 1), _MOST_BINS)
-    return np.linspace(low, high, number + 1)
+    return np.linspace(low, high, min(max(math.ceil((high - low) / width), 1), _MOST_BINS) + 1)
 
 
 def _level(p: float, replicates: int) -> str:
@@ -389,8 +388,7 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
         axes.plot(threshold, rate, color=line_colour, linewidth=1.5 if number == 0 else 1.0, label=f"{name}, measured")
         _counted(axes, alarms, line_colour, label=number == 0)
         pixels = max(pixels, alarms.pixels)
-        reached = float(threshold[-1]) if threshold.size else 0.0
-        furthest = max(furthest, reached)
+        furthest = max(furthest, float(threshold[-1]) if threshold.size else 0.0)
         if number == 0:
             tail, reason = region.tail(name)
             if tail is None:

@@ -69,8 +69,7 @@ def draw_map(alarms: FalseAlarmMap) -> Figure:
     if not grid:
         axes.invert_yaxis()
     axes.set(xlabel="azimuth [deg]" if grid else "column [px]", ylabel="elevation [deg]" if grid else "row [px]")
-    bar = figure.colorbar(drawn, ax=axes)
-    bar.set_label("P_fa per pixel and frame")
+    figure.colorbar(drawn, ax=axes).set_label("P_fa per pixel and frame")
     return figure
 
 
@@ -81,8 +80,7 @@ def draw_chips(chips: Chips, threshold_sigma: float) -> Figure | None:
         return None
     columns = max(len(items) for _, items in lines)
     figure = new_figure(1.6 * columns, 1.95 * len(lines))
-    axes = figure.subplots(len(lines), columns, squeeze=False)
-    for (name, items), row in zip(lines, axes, strict=True):
+    for (name, items), row in zip(lines, figure.subplots(len(lines), columns, squeeze=False), strict=True):
         for k, one in enumerate(row):
             one.set(xticks=[], yticks=[])
             if k >= len(items):

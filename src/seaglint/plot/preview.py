@@ -62,8 +62,7 @@ def draw_graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> No
     for values, unit in ((elevation, "°"), (azimuth, "° az")):
         if np.ptp(values) == 0.0 or (values is azimuth and around):
             continue
-        levels = MaxNLocator(6).tick_values(float(values.min()), float(values.max()))
-        lines = axes.contour(values, levels=levels, **_LINES)
+        lines = axes.contour(values, levels=MaxNLocator(6).tick_values(float(values.min()), float(values.max())), **_LINES)
         if not around:
             for text in axes.clabel(lines, fmt=lambda value, unit=unit: f"{value:g}{unit}", fontsize=8):
                 _outline(text)
@@ -280,8 +279,7 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
     figure = new_figure(*((9.0, 9.0) if wide else (12.0, 6.0)))
     upper, lower = figure.subplots(2, 1) if wide else figure.subplots(1, 2)
     bar = _panel(figure, upper, radiance, extent, "radiance", "inferno", bright)
-    thermal = _panel(figure, lower, temperature, extent, "apparent_temperature", "gray", warm)
-    _bars(bar, thermal, chosen, warm)
+    _bars(bar, _panel(figure, lower, temperature, extent, "apparent_temperature", "gray", warm), chosen, warm)
     if not upright:
         for axes in (upper, lower):
             draw_graticule(axes, azimuth, elevation)

@@ -183,6 +183,5 @@ def write_comparison(
         No room or no rights.
     """
     output = refuse_existing(path, overwrite=overwrite)
-    text = comparison_report(comparison, first, second, gaussian, about)
-    write_text(text, output)
+    write_text(comparison_report(comparison, first, second, gaussian, about), output)
     return output

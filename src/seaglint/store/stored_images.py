@@ -70,8 +70,7 @@ def radiance_of(dataset: xr.Dataset) -> xr.DataArray:
     scale, offset = count_line(images)
     from seaglint.base.schema import VARIABLES
 
-    radiance = (images.astype("float64") * scale + offset).rename("radiance")
-    return radiance.assign_attrs(VARIABLES["radiance"].attributes)
+    return (images.astype("float64") * scale + offset).rename("radiance").assign_attrs(VARIABLES["radiance"].attributes)
 
 
 def directions(dataset: xr.Dataset, frame: int = 0) -> tuple[FloatArray, FloatArray]:
@@ -186,8 +185,7 @@ def summarise(dataset: xr.Dataset) -> Summary:
     threshold = GLINT_FACTOR * float(band.radiance(sea_temperature(dataset), grid_of(band)))
     total, peak, glint, pixels, bad, frames = 0.0, 0.0, 0, 0, 0, 0
     for image in images(dataset):
-        finite = np.isfinite(image)
-        values = image[finite]
+        values = image[np.isfinite(image)]
         frames += 1
         bad += image.size - values.size
         pixels += values.size

@@ -171,8 +171,7 @@ def _last(differences: FloatArray) -> tuple[FloatArray, FloatArray, float, float
     share = 1.0 / (differences.shape[0] * float((weights**2).sum()))
     inverse = np.linalg.pinv(np.atleast_2d(np.cov(differences.T, aweights=weights)), rcond=1e-14, hermitian=True)
     batches = np.array([batch.mean(axis=0) for batch in np.array_split(differences, BATCHES)])
-    simulation = inverse @ np.atleast_2d(np.cov(batches.T) / BATCHES) @ inverse
-    return shift, np.asarray(inverse + simulation), float(distance), share
+    return shift, np.asarray(inverse + inverse @ np.atleast_2d(np.cov(batches.T) / BATCHES) @ inverse), float(distance), share
 
 
 Method = Literal["pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"]

@@ -229,8 +229,7 @@ def words(seed: int, purpose: str) -> NDArray[np.int64]:
 
 def sweep(field: NDArray[np.int16], law: Law, lattice: ColourPlan, key: NDArray[np.int64], first: int, sweeps: int) -> None:
     """Run Gibbs sweeps in place, in threads for large pictures; the bytes are the same either way."""
-    run = gibbs_in_threads if field.size >= IN_THREADS_FROM else gibbs
-    run(field, law, lattice, key, first, sweeps)
+    (gibbs_in_threads if field.size >= IN_THREADS_FROM else gibbs)(field, law, lattice, key, first, sweeps)
 
 
 def sums_of(field: NDArray[np.int16], law: Law, lattice: ColourPlan) -> FloatArray:

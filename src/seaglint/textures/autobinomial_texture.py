@@ -149,8 +149,7 @@ class AutobinomialTexture:
         shares = np.array(self.histogram)
         counts = np.floor(shares * rows * columns).astype(int)
         # The remainder of rounding is given to the levels that lost most.
-        lost = np.argsort(counts - shares * rows * columns)
-        counts[lost[: rows * columns - counts.sum()]] += 1
+        counts[np.argsort(counts - shares * rows * columns)[: rows * columns - counts.sum()]] += 1
         start = np.repeat(np.arange(counts.size), counts).astype(np.int16)
         random.stream(seed, "texture histogram").shuffle(start)
         return self._values(exchange(start.reshape(rows, columns), self.field, count, seed))

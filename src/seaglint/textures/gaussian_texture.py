@@ -138,8 +138,7 @@ def fit_texture(
     if not variance > 0.0:
         raise DataError("all values are equal: there is no texture to fit; choose another region")
     marginal = fit_marginal(x, tails)
-    latent = marginal.latent_correlation(measured.values / variance)
-    field = estimation.choose(replace(measured, values=latent, mean=0.0), pool, most)
+    field = estimation.choose(replace(measured, values=marginal.latent_correlation(measured.values / variance), mean=0.0), pool, most)
     notes = list(field.notes)
     slow, misfit = None, np.full(3, np.nan)
     if product or (product is None and tails != "gaussian"):
@@ -149,5 +148,4 @@ def fit_texture(
             f"{tails} values alone leave the filtered picture short of exceedances: fine structure is multiplied by a slow gamma field of "
             f"shape {slow.shape:.3g}"
         )
-    texture = GaussianTexture(field.model, marginal, slow)
-    return TextureFit(texture, field, marginal.truncation, misfit, tuple(notes))
+    return TextureFit(GaussianTexture(field.model, marginal, slow), field, marginal.truncation, misfit, tuple(notes))

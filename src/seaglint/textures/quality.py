@@ -198,8 +198,7 @@ def _values(a: FloatArray, b: FloatArray) -> ValueDistances:
     every.sort()
     shares = [np.searchsorted(v, every, side="right") / v.size for v in (a, b)]
     steps = np.linspace(0.0005, 0.9995, 1000)
-    spread = max(float(a.std()), 1e-300)
-    wasserstein = float(np.abs(np.quantile(a, steps) - np.quantile(b, steps)).mean()) / spread
+    wasserstein = float(np.abs(np.quantile(a, steps) - np.quantile(b, steps)).mean()) / max(float(a.std()), 1e-300)
     return ValueDistances(float(np.abs(shares[0] - shares[1]).max()), wasserstein, ValueMoments.of(a), ValueMoments.of(b))
 
 
@@ -271,8 +270,7 @@ def compare(
     side = min(_side(first.shape), _side(second.shape))
     ends = np.quantile(np.concatenate([_some(first), _some(second)]), [0.001, 0.999])
     # Fewer frames give no correlation in time.
-    timed = consecutive and min(len(first), len(second)) >= 8
-    frames = min(len(first), len(second)) if timed else 0
+    frames = min(len(first), len(second)) if consecutive and min(len(first), len(second)) >= 8 else 0
     return Comparison(*(_measure(name, x, side, ends, frames) for name, x in zip(names, (first, second), strict=True)))
 
 
@@ -296,8 +294,7 @@ def _measure(name: str, x: NDArray[np.floating], side: int, ends: FloatArray, fr
     time = None
     if frames:
         step = max(int(math.sqrt(x[0].size / 4000.0)), 1)
-        series = x[:frames, ::step, ::step].reshape(frames, -1)
-        time = temporal_correlation(series, longest=min(TIMES, frames // 2)).rho
+        time = temporal_correlation(x[:frames, ::step, ::step].reshape(frames, -1), longest=min(TIMES, frames // 2)).rho
     spectrum = power_spectrum((few - few.mean()) / std, size=side)
     features = cooccurrence(few, (float(ends[0]), float(ends[1])))
     return Likeness(name, np.sort(_some(x)), tuple(alarms.rates()), alarms.curve(), spectrum, near.x, near.y, time, features)
@@ -321,8 +318,7 @@ def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels
     >>> round(features["contrast"], 3), round(features["homogeneity"], 3)
     (0.5, 0.75)
     """
-    width = max(ends[1] - ends[0], 1e-300)
-    grey = np.clip((frames - ends[0]) / width * levels, 0, levels - 1).astype(np.int64)
+    grey = np.clip((frames - ends[0]) / max(ends[1] - ends[0], 1e-300) * levels, 0, levels - 1).astype(np.int64)
     i, j = np.indices((levels, levels))
     out: dict[str, list[float]] = {name: [] for name in ("contrast", "homogeneity", "energy", "entropy", "correlation")}
     rows, columns = grey.shape[1:]

@@ -112,8 +112,7 @@ def require_values(frames: ArrayLike, *, two: bool = False) -> None:
         )
     missing = int(x.size - np.count_nonzero(np.isfinite(x)))
     if missing:
-        bad = ~np.isfinite(x).all(axis=tuple(range(x.ndim - 2)))
-        where = np.argwhere(bad)[0]
+        where = np.argwhere(~np.isfinite(x).all(axis=tuple(range(x.ndim - 2))))[0]
         raise DataError(
             f"{missing} values are missing or infinite (the first in row {where[0]}, column {where[1]} of the region); "
             "choose a region without them"

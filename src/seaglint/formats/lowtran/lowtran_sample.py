@@ -267,8 +267,7 @@ def lowtran_atmosphere(
         return _results(cases, program, timeout, report)
 
     air_bends = results([LowtranCase(air, "path", height / 1e3, 180.0)]).refraction
-    depression = _path_depressions(air_bends, height)
-    path = results([LowtranCase(air, "path", height / 1e3, 90.0 + float(np.degrees(d))) for d in depression])
+    path = results([LowtranCase(air, "path", height / 1e3, 90.0 + float(np.degrees(d))) for d in _path_depressions(air_bends, height)])
     above = elevation_of_coordinate(np.linspace(0.0, 1.0, SUN_NODES), 0.0)
     sun = results([_up(air, "sun", 0.0, e) for e in above])
     sea_sky = results([_up(air, "sky", 0.0, e) for e in above])
@@ -344,8 +343,7 @@ def _sky_elevations(air: RefractingAir, height: float) -> tuple[FloatArray, tupl
     edges = [lowest, *(e for e in sorted(_grazing(air, height)) if lowest * (1.0 - 1e-3) < e < 0.002 * lowest), 0.0]
     share = grazing_share(np.linspace(0.0, 1.0, DIP_NODES))[:-1]
     below = [low + (high - low) * share for low, high in itertools.pairwise(edges)]
-    above = elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0)
-    return np.concatenate([*below, above]), tuple(edges[1:])
+    return np.concatenate([*below, elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0)]), tuple(edges[1:])
 
 
 def _grazing(air: RefractingAir, height: float) -> list[float]:

@@ -179,8 +179,7 @@ def _picture(attributes: Attributes, decoding: Decoding, dtype: np.dtype[Any], s
     """Honour the attributes of an HDF5 image (HDF5 image and palette specification, version 1.2)."""
     if text_of(attributes.get("CLASS")) != "IMAGE":
         return decoding, ()
-    kind = text_of(attributes.get("IMAGE_SUBCLASS"))
-    if kind == "IMAGE_INDEXED":
+    if text_of(attributes.get("IMAGE_SUBCLASS")) == "IMAGE_INDEXED":
         raise DataError(f"{source}: holds indices of a palette (IMAGE_INDEXED), which are no measure of radiance; give the grey original")
     if text_of(attributes.get("INTERLACE_MODE")) == "INTERLACE_LINE":
         raise DataError(f"{source}: has channels line by line (INTERLACE_LINE), which is not read; write them as INTERLACE_PIXEL")
@@ -364,8 +363,7 @@ def _fill_notes(array: Any, masked: tuple[float, ...]) -> tuple[str, ...]:
     fill = array.fill_value
     if there < whole:
         notes.append(unwritten_note(whole - there, whole, fill))
-    dtype = np.dtype(array.dtype)
-    if fill is None or _states_missing(attributes) or not in_type([fill], dtype) or fill in masked:
+    if fill is None or _states_missing(attributes) or not in_type([fill], np.dtype(array.dtype)) or fill in masked:
         return tuple(notes)
     if array.metadata.zarr_format == 3 and fill == 0:
         return tuple(notes)

@@ -83,8 +83,7 @@ class RawSounding:
                 if self.humidity == "specific_humidity":
                     ratio = self.humidity_value / (1.0 - self.humidity_value)
                 partial = 100.0 * self.pressure * ratio / (0.62198 + ratio)
-                saturated = 1e-3 * saturation_density(self.temperature) * VAPOUR_CONSTANT * self.temperature
-                out = 100.0 * partial / saturated
+                out = 100.0 * partial / (1e-3 * saturation_density(self.temperature) * VAPOUR_CONSTANT * self.temperature)
         return np.asarray(np.clip(out, 0.0, 100.0))
 
 

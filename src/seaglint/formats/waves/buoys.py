@@ -97,8 +97,7 @@ def read_cdip(path: Path, choice: WaveChoice) -> WaveRecords:
     def bands(_moment: int, _place: int) -> Bands:
         with open_dataset(path) as data:
             if time is not None and time in data[CDIP_DENSITY].dims:
-                same = np.flatnonzero((times == times[index]) & np.isin(flags, _USED))
-                require_one(data[CDIP_DENSITY], time, same, path)
+                require_one(data[CDIP_DENSITY], time, np.flatnonzero((times == times[index]) & np.isin(flags, _USED)), path)
             # A deployment's file also has the displacements, hundreds of megabytes.
             record = data[[name for name in _READ if name in data.variables]]
             record = record.isel({time: index}) if time in data[CDIP_DENSITY].dims else record

@@ -221,8 +221,7 @@ def read_ww3_netcdf(path: Path) -> WaveRecords:
         already_from = "from_direction" in str(data["direction"].attrs.get("standard_name", ""))
         converted = from_ww3(data)
         # wavespectra turns all directions by 180 deg: those that waves come FROM are turned back.
-        directions = _floats(converted["dir"]) + (180.0 if already_from else 0.0)
-        return _bins(converted, directions % 360.0)
+        return _bins(converted, (_floats(converted["dir"]) + (180.0 if already_from else 0.0)) % 360.0)
 
     reader("read_ww3")
     return netcdf_records(path, "efth", convert)

@@ -299,8 +299,7 @@ def parse_cycle(text: str, name: str, low: int, high: int) -> tuple[int, ...]:
             if not (low <= a <= high and low <= b <= high):
                 raise ValueError
             # Forward from a to b, around the end of the cycle if b is below a.
-            count = (b - a) % (high - low + 1)
-            out += [low + (a - low + step) % (high - low + 1) for step in range(count + 1)]
+            out += [low + (a - low + step) % (high - low + 1) for step in range((b - a) % (high - low + 1) + 1)]
     except ValueError:
         raise DataError(
             f"{name}='{text}' is not whole numbers {low} to {high}; write e.g. {low + 5},{low + 6} or {low + 5}-{low + 7}"

@@ -142,8 +142,7 @@ def _resolved(schema: Mapping[str, Any], defs: Mapping[str, Any]) -> JsonObject:
     """Return the schema behind a reference, with the attributes next to it."""
     if "$ref" not in schema:
         return dict(schema)
-    rest = {key: value for key, value in schema.items() if key != "$ref"}
-    return {**defs[schema["$ref"].rsplit("/", 1)[-1]], **rest}
+    return {**defs[schema["$ref"].rsplit("/", 1)[-1]], **{key: value for key, value in schema.items() if key != "$ref"}}
 
 
 def _is_table(schema: Mapping[str, Any]) -> bool:
@@ -338,8 +337,7 @@ class Draft:
 
 def mistakes_of(error: SeaglintError) -> tuple[Mistake, ...]:
     """Return the mistakes of an error; the whole text is one where the error names no keys."""
-    known = error.mistakes if isinstance(error, ScenarioError) else ()
-    return known or (Mistake("", None, None, str(error)),)
+    return (error.mistakes if isinstance(error, ScenarioError) else ()) or (Mistake("", None, None, str(error)),)
 
 
 def dotted(keys: Keys) -> str:
