@@ -149,7 +149,10 @@ def write_labels(labels: Labels, output: str | Path, *, overwrite: bool = False)
     if output.suffix.lower() != ".csv":
         write_json(_coco(labels), output, indent=None)
         return output
-    cells = ((label.frame, label.name, *(_cell(label.values[name]) for name in NUMBERS)) for label in labels)
+    cells = (
+        (label.frame, label.name, *("" if math.isnan(value) else f"{value:.9g}" for value in map(label.values.__getitem__, NUMBERS)))
+        for label in labels
+    )
     write_text(csv_text([("frame", "object", *NUMBERS), *cells]), output)
     return output
 
@@ -160,10 +163,6 @@ def require_labels_name(output: str | Path) -> Path:
     if output.suffix.lower() not in (".csv", ".json"):
         raise DataError(f"{output}: labels are written as .csv or .json (COCO); give a name that ends in one of them")
     return output
-
-
-def _cell(value: float) -> str:
-    return "" if math.isnan(value) else f"{value:.9g}"
 
 
 def _coco(labels: Labels) -> JsonObject:

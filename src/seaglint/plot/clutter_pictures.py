@@ -399,14 +399,8 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
     m = np.linspace(0.0, furthest, 400)
     axes.plot(m, np.maximum(gaussian_rate(m), 1e-300), color="0.3", linestyle="--", linewidth=1.0, label="Gaussian tail")
     axes.axhline(1.0 / pixels, color="0.3", linestyle=":", linewidth=0.9)
-    axes.text(
-        0.01,
-        1.0 / pixels,
-        f"one in {pixels:,} pixels".replace(",", "\u202f"),
-        fontsize=7,
-        va="bottom",
-        transform=axes.get_yaxis_transform(),
-    )
+    level = f"one in {pixels:,} pixels".replace(",", "\u202f")
+    axes.text(0.01, 1.0 / pixels, level, fontsize=7, va="bottom", transform=axes.get_yaxis_transform())
     axes.set_yscale("log", subs=[])
     # Two decades below one alarm in all pixels leave room for the extrapolated tail.
     axes.set(xlim=(0.0, furthest), ylim=(0.01 / pixels, 1.0), xlabel="threshold [standard deviations σ]")

@@ -177,11 +177,11 @@ def study_report(title: str, cases: Sequence[DetectionCase], stopped: str | None
         section(f"Against {key}", figure(png(draw_sweep(rows, key)), key, "Bands: intervals of P_d."))
         for key, rows in _varied_numbers(good)
     ]
-    for case in good:
-        body.append(_case(case))
+    body += [_case(case) for case in good]
     results = [None if case.judged is None else case.judged.result for case in cases]
-    numbers = [{"parameters": case.parameters, "result": got, "error": case.error} for case, got in zip(cases, results, strict=True)]
-    body.append(all_numbers(numbers))
+    body.append(
+        all_numbers([{"parameters": case.parameters, "result": got, "error": case.error} for case, got in zip(cases, results, strict=True)])
+    )
     return page(title, body)
 
 
@@ -222,9 +222,8 @@ def _summary(good: Sequence[DetectionCase]) -> str:
 
 def _varied_numbers(good: Sequence[DetectionCase]) -> list[tuple[str, list[TableRow]]]:
     """Return the varied numbers, with rows named by the other varied keys."""
-    keys = list(dict.fromkeys(key for case in good for key in case.parameters))
     out = []
-    for key in keys:
+    for key in dict.fromkeys(key for case in good for key in case.parameters):
         values = [case.parameters.get(key) for case in good]
         if len({str(v) for v in values}) < 2 or not all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
             continue

@@ -10,7 +10,7 @@ import os
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -433,12 +433,9 @@ class ViewerSource:
         only : int, optional
             Single frame to return.
         """
-        from dataclasses import replace
-
         chosen, opened = self.layer(layer), self.opened
         done = self.done() if only is None else np.array([only])
-        if opened.recording is not None:
-            recording = opened.recording
+        if (recording := opened.recording) is not None:
             if only is None:
                 return recording
             return replace(recording, frames=1, read_block=lambda start, stop: recording.read_block(only, only + 1))

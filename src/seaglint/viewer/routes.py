@@ -446,25 +446,24 @@ class _Pages:
         # Axes with angles only where these hold for all frames.
         directions = None if opened.directions is None or opened.turning else source.directions(0)
         upright = directions is not None and directions[0].ndim == 1
-        return _json(
-            {
-                "name": Path(source.path).name,
-                "title": opened.title,
-                "frames": opened.frames,
-                "done": int(done.size),
-                "first": int(done[0]) if done.size else None,
-                "last": int(done[-1]) if done.size else None,
-                "rows": opened.rows,
-                "columns": opened.columns,
-                "frame_rate_hz": opened.frame_rate,
-                "start_s": None if opened.times is None or not opened.times.size else float(opened.times[0]),
-                "azimuth_deg": directions[0].tolist() if upright and directions is not None else None,
-                "elevation_deg": directions[1].tolist() if upright and directions is not None else None,
-                "layers": [{"name": layer.name, "label": layer.label, "unit": layer.unit} for layer in opened.layers.values()],
-                "truth": opened.boxes is not None,
-                "notes": list(opened.notes),
-            }
-        )
+        answer = {
+            "name": Path(source.path).name,
+            "title": opened.title,
+            "frames": opened.frames,
+            "done": int(done.size),
+            "first": int(done[0]) if done.size else None,
+            "last": int(done[-1]) if done.size else None,
+            "rows": opened.rows,
+            "columns": opened.columns,
+            "frame_rate_hz": opened.frame_rate,
+            "start_s": None if opened.times is None or not opened.times.size else float(opened.times[0]),
+            "azimuth_deg": directions[0].tolist() if upright and directions is not None else None,
+            "elevation_deg": directions[1].tolist() if upright and directions is not None else None,
+            "layers": [{"name": layer.name, "label": layer.label, "unit": layer.unit} for layer in opened.layers.values()],
+            "truth": opened.boxes is not None,
+            "notes": list(opened.notes),
+        }
+        return _json(answer)
 
     def frame(self, request: Request) -> Response:
         """Return the levels of a frame, one byte a pixel, with their scale in the header ``Seaglint-Scale``."""

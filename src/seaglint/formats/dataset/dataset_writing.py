@@ -348,9 +348,8 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
         "",
     ]
     lines += _table(("", *SPLITS, "all"), [(n.replace("_", " "), *numbers[n].values(), total[n]) for n in total])
-    lines += _table(("category", "annotated objects"), list(numbers["by_category"].items()))
-    lines += _table(("snr", "annotated objects"), list(numbers["snr"].items()))
-    lines += _table(("pixels filled", "annotated objects"), list(numbers["filled_px"].items()))
+    for head, name in (("category", "by_category"), ("snr", "snr"), ("pixels filled", "filled_px")):
+        lines += _table((head, "annotated objects"), list(numbers[name].items()))
     lines += _table(tuple(f"range, {name} [m]" for name in numbers["range_m"]), [tuple(f"{v:g}" for v in numbers["range_m"].values())])
     drawn = [
         (f"`{name}`", ", ".join(f"{key} {value:g}" for key, value in values.items())) for name, values in numbers["parameters"].items()
@@ -489,12 +488,11 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
     about : mapping
         ``description``, ``licence`` (None for the default) and ``split``.
     """
-    licence = about["licence"] or LICENCE
     counts = all(part.levels is not None and part.levels.counts for part in catalogue.parts)
     shared = {
         "title": catalogue.title,
         "description": about["description"],
-        "licence": licence,
+        "licence": about["licence"] or LICENCE,
         "version": __version__,
         "seed": catalogue.seed,
         "split": list(about["split"]),

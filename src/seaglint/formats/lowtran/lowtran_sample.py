@@ -140,8 +140,7 @@ class Dump:
         )
 
 
-def _henyey_greenstein(asymmetry: FloatArray, angle: FloatArray) -> FloatArray:
-    g = asymmetry
+def _henyey_greenstein(g: FloatArray, angle: FloatArray) -> FloatArray:
     return np.asarray((1.0 - g**2) / (4.0 * np.pi * (1.0 + g**2 - 2.0 * g * np.cos(angle)) ** 1.5))
 
 

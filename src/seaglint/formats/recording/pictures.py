@@ -268,18 +268,14 @@ def _decoded(path: Path) -> NDArray[Any]:
     try:
         header = _png_header(path)
         if header is not None and header.depth == 16 and header.colour != 0:
-            return _deep_png(path)
+            # Pillow reduces colours, or grey and alpha, of 16 bits each to 8.
+            return np.asarray(optional("imagecodecs", f"{path}: colour of 16 bits").png_decode(path.read_bytes()))
         with Image.open(path, formats=_FORMATS) as image:
             return _numbers(image, path)
     except (BackendError, DataError):
         raise
     except Exception as error:
         raise _undecodable(path, error) from error
-
-
-def _deep_png(path: Path) -> NDArray[Any]:
-    """Return colours or grey and alpha of 16 bits each, which Pillow reduces to 8."""
-    return np.asarray(optional("imagecodecs", f"{path}: colour of 16 bits").png_decode(path.read_bytes()))
 
 
 def _png_header(path: Path) -> _PngHeader | None:

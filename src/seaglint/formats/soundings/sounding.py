@@ -140,7 +140,7 @@ def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: da
             return read_sonde(path, plain)
     with open_netcdf(path, decode_times=True) as data:
         needed = {"level": LEVEL_DIMENSIONS, "height": HEIGHTS, "temperature": TEMPERATURES}
-        names = {what: _first(data, known) for what, known in needed.items()}
+        names = {what: next((name for name in known if name in data.variables), None) for what, known in needed.items()}
         moist = next((name for name in MOISTURES if name in data), None)
         missing = [f"{what} ({', '.join(known[:2])})" for what, known in needed.items() if names[what] is None]
         missing += [] if moist else ["humidity (q, r)"]
@@ -172,10 +172,6 @@ def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: da
 
 def _floats(data: Any, name: str) -> FloatArray:
     return np.asarray(data[name].values, dtype=np.float64).ravel()
-
-
-def _first(data: Any, known: tuple[str, ...]) -> str | None:
-    return next((name for name in known if name in data.variables), None)
 
 
 def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: datetime | None, remedy: str) -> tuple[Any, tuple[str, ...]]:

@@ -86,14 +86,11 @@ def read_sounding_table(path: Path, text: str) -> RawSounding:
         raise DataError(f"{path}: has column names and no rows; it needs levels")
     numbers, digits = _numbers(path, heading, rows, [*columns, *ozone])
     named = {plain_name(column.name) for column in columns}
-    form = "AVAPS (EOL sounding format)" if _is_eol(lines[: heading.place]) else "table with a line of column names"
+    is_eol = any("EOL Sounding Format" in line or "AVAPS" in line for _, line in lines[: heading.place])
+    form = "AVAPS (EOL sounding format)" if is_eol else "table with a line of column names"
     # siphon's data frames of University of Wyoming's list: geopotential heights, and no unit in any name
     frame = {"pressure", "height", "temperature", "dewpoint"} <= named
     return with_ozone(sounding_of(form, columns, numbers, digits, geopotential=frame), ozone, numbers)
-
-
-def _is_eol(header: list[tuple[int, str]]) -> bool:
-    return any("EOL Sounding Format" in line or "AVAPS" in line for _, line in header)
 
 
 def _is_rule(line: str) -> bool:
@@ -350,11 +347,8 @@ def _of_station(kind: str, columns: FloatArray, notes: tuple[str, ...], steps: t
 
 
 def _title_time(lines: list[str]) -> datetime | None:
-    for line in lines:
-        match = re.search(r"\b(\d{6})/(\d{2})(\d{2})\b", line)
-        if match:
-            return _short_time(match[1], match[2], match[3])
-    return None
+    match = next(filter(None, (re.search(r"\b(\d{6})/(\d{2})(\d{2})\b", line) for line in lines)), None)
+    return None if match is None else _short_time(match[1], match[2], match[3])
 
 
 def _short_time(day: str, hour: str, minute: str) -> datetime | None:
@@ -413,11 +407,8 @@ def read_bufkit(path: Path, lines: list[str], place: tuple[float, float] | None,
 
 
 def _header_value(lines: list[str], key: str) -> str:
-    for line in lines[:6]:
-        match = re.search(rf"\b{key}\s*=\s*(\S+)", line)
-        if match:
-            return match[1]
-    return ""
+    match = next(filter(None, (re.search(rf"\b{key}\s*=\s*(\S+)", line) for line in lines[:6])), None)
+    return "" if match is None else match[1]
 
 
 def _distance(lines: list[str], place: tuple[float, float]) -> float:

@@ -484,8 +484,7 @@ def _read(file: Path) -> SpectralText:
             f"{file} does not exist; a buoy's directional spectrum needs the files {', '.join('NAME' + s for s in SUFFIXES)} beside each "
             "other: bring it, or remove its companions and state from_deg and spreading_deg"
         )
-    table: SpectralText = parsed(file, "an NDBC spectral file", lambda: read_spectral_text(file))
-    return table
+    return parsed(file, "an NDBC spectral file", lambda: read_spectral_text(file))
 
 
 def _column(table: SpectralText, moment: np.datetime64, frequency: FloatArray) -> FloatArray:

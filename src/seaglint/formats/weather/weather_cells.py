@@ -253,9 +253,7 @@ def read_polygon(text: str) -> Polygon:
         except ValueError:
             raise DataError(f"polygon='{text}' is neither 'lon,lat lon,lat lon,lat' in degrees nor a .csv or .geojson file") from None
     if len(corners) > 3 and corners[0] == corners[-1]:
-        corners = corners[
-            :-1
-        ]  # GeoJSON repeats the first corner at the end of a ring  # GeoJSON repeats the first corner at the end of a ring
+        corners = corners[:-1]  # GeoJSON repeats the first corner at the end of a ring
     try:
         return Polygon(tuple(corners))
     except DomainError as error:

@@ -93,7 +93,7 @@ def _entry(name: str, schema: Mapping[str, Any], defs: Mapping[str, Any], depth:
     for way in given:
         many = way.get("type") == "array" and "items" in way
         inner = _resolved(way["items"], defs) if many else way
-        if not _is_table(inner):
+        if not ("oneOf" in inner or "properties" in inner):
             continue
         if depth >= _DEEPEST or (many and depth > 1):
             return Field(name, "tables", hint, schema.get("default"), required=required)
@@ -143,10 +143,6 @@ def _resolved(schema: Mapping[str, Any], defs: Mapping[str, Any]) -> JsonObject:
     if "$ref" not in schema:
         return dict(schema)
     return {**defs[schema["$ref"].rsplit("/", 1)[-1]], **{key: value for key, value in schema.items() if key != "$ref"}}
-
-
-def _is_table(schema: Mapping[str, Any]) -> bool:
-    return "oneOf" in schema or "properties" in schema
 
 
 def _first_line(record: Mapping[str, Any]) -> str:
