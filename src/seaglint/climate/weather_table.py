@@ -282,9 +282,7 @@ def _check_range(name: str, values: FloatArray) -> None:
     if bad.size:
         allowed = f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
         more = f" ({bad.size - 1} more rows like it)" if bad.size > 1 else ""
-        raise DomainError(
-            f"row {bad[0] + 1}: {name} = {values[bad[0]]:g} is outside the range allowed: {allowed}; correct it, or leave it empty{more}",
-            name=name,
-            value=float(values[bad[0]]),
-            allowed=(low, high),
+        message = (
+            f"row {bad[0] + 1}: {name} = {values[bad[0]]:g} is outside the range allowed: {allowed}; correct it, or leave it empty{more}"
         )
+        raise DomainError(message, name=name, value=float(values[bad[0]]), allowed=(low, high))

@@ -329,11 +329,8 @@ def refuse_flat(field: NDArray[np.int16], levels: int) -> None:
     """Refuse pictures of one value, and pictures of two values for a fit with more levels."""
     values = np.unique(field)
     if values.size == 1:
-        raise DomainError(
-            f"every pixel is {values[0]}: a constant picture has no texture to fit; choose a region that varies, or finer grey levels",
-            name="image",
-            value=int(values[0]),
-        )
+        message = f"every pixel is {values[0]}: a constant picture has no texture to fit; choose a region that varies, or finer grey levels"
+        raise DomainError(message, name="image", value=int(values[0]))
     if values.size == 2 and levels > 2:
         raise DomainError(
             f"the picture has two values only ({values[0]} and {values[1]}) for levels = {levels}: set levels = 2 and give it as 0 and 1, "
@@ -348,10 +345,8 @@ def _refuse_few(field: NDArray[np.int16], model: Autobinomial, *, periodic: bool
     inner = field.size if periodic else (rows - 2 * down) * (columns - 2 * across)
     needed = PIXELS_PER_PARAMETER * (1 + len(model.neighbours))
     if inner < needed:
-        raise DomainError(
+        message = (
             f"{rows} x {columns} pixels: {inner} of them have all their neighbours, {needed} are needed for {1 + len(model.neighbours)} "
-            "parameters; take a larger region, a lower order or isotropic classes",
-            name="image",
-            value=inner,
-            allowed=f"{needed} or more",
+            "parameters; take a larger region, a lower order or isotropic classes"
         )
+        raise DomainError(message, name="image", value=inner, allowed=f"{needed} or more")

@@ -245,19 +245,11 @@ def lowtran_atmosphere(
     """
     (low, high), (lowest, highest) = LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS
     if not low <= band_um[0] < band_um[1] <= high:
-        raise DomainError(
-            f"band {band_um[0]:g}-{band_um[1]:g} um is outside {low:g}-{high:g} um of LOWTRAN7; narrow the band",
-            name="band_um",
-            value=band_um,
-            allowed=LOWTRAN_BAND_UM,
-        )
+        message = f"band {band_um[0]:g}-{band_um[1]:g} um is outside {low:g}-{high:g} um of LOWTRAN7; narrow the band"
+        raise DomainError(message, name="band_um", value=band_um, allowed=LOWTRAN_BAND_UM)
     if not lowest <= height <= highest:
-        raise DomainError(
-            f"sensor height = {height:g} m is outside {lowest:g}-{highest:g} m; choose a height inside it",
-            name="sensor_height",
-            value=height,
-            allowed=LOWTRAN_HEIGHTS,
-        )
+        message = f"sensor height = {height:g} m is outside {lowest:g}-{highest:g} m; choose a height inside it"
+        raise DomainError(message, name="sensor_height", value=height, allowed=LOWTRAN_HEIGHTS)
     grid = wavenumber_grid(*band_um, step_cm=float(STEP_CM))
     air = LowtranAir(model, aerosol, round(grid[0]), round(grid[-1]), tuple(levels))
     program = engine.engine()
