@@ -115,11 +115,7 @@ class Ephemeris:
             )
         out = np.empty((3, t.size))
         air = (pressure / 1010.0 * 283.0 / (273.0 + temperature), height)
-
-        def work(part: tuple[int, int]) -> None:
-            _fill(part, t, lat, lon, self.first - 2.0 * _STEP, self._table, air, out)
-
-        in_threads(work, t.size)
+        in_threads(lambda part: _fill(part, t, lat, lon, self.first - 2.0 * _STEP, self._table, air, out), t.size)
         return SunPositions(out[0], out[1], out[2])
 
 

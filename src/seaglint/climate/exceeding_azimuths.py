@@ -79,11 +79,7 @@ def azimuth_shares(
     out = np.zeros((rows.shape[0], len(thresholds)))
     plan = _AzimuthPlan(*_nodes(*azimuths), np.log(np.asarray(thresholds, dtype=np.float64)), light.depression)
     rule = sun_disc(0.0, 0.0, STEADY).rule
-
-    def work(part: tuple[int, int]) -> None:
-        _fill(part, rows, levels, light, sea, plan, rule, out)
-
-    in_threads(work, rows.shape[0])
+    in_threads(lambda part: _fill(part, rows, levels, light, sea, plan, rule, out), rows.shape[0])
     return out
 
 

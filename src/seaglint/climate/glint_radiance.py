@@ -181,11 +181,7 @@ def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Sear
     out = np.zeros((rows.shape[0], 5))
     plan = _LookPlan(search.depressions, search.azimuths, search.refinements, search.half_width, *light.depression)
     disc = sun_disc(0.0, 0.0, STEADY)
-
-    def work(part: tuple[int, int]) -> None:
-        _fill(part, rows, levels, light, sea, plan, disc.rule, out)
-
-    in_threads(work, rows.shape[0])
+    in_threads(lambda part: _fill(part, rows, levels, light, sea, plan, disc.rule, out), rows.shape[0])
     return Looks(*(np.ascontiguousarray(column) for column in out.T))
 
 

@@ -173,25 +173,20 @@ def _coco(labels: Labels) -> JsonObject:
     rows, columns = labels.shape
     # COCO counts categories from 1.
     categories = {name: number for number, name in enumerate(dict.fromkeys(labels.names), 1)}
-    annotations: list[JsonObject] = []
-    for label in labels:
-        values = label.values
-        if not label.mask.any():
-            continue
-        box = [values[f"bbox_{side}_px"] for side in ("left", "top", "width", "height")]
-        annotations.append(
-            {
-                "id": len(annotations) + 1,
-                "image_id": label.frame,
-                "category_id": categories[label.name],
-                "track_id": label.number,
-                "bbox": box,
-                "area": int(label.mask.sum()),
-                "iscrowd": 0,
-                "segmentation": {"size": [rows, columns], "counts": run_lengths(label.mask)},
-                "attributes": {name: None if math.isnan(values[name]) else values[name] for name in NUMBERS},
-            }
-        )
+    annotations = [
+        {
+            "id": number,
+            "image_id": label.frame,
+            "category_id": categories[label.name],
+            "track_id": label.number,
+            "bbox": [label.values[f"bbox_{side}_px"] for side in ("left", "top", "width", "height")],
+            "area": int(label.mask.sum()),
+            "iscrowd": 0,
+            "segmentation": {"size": [rows, columns], "counts": run_lengths(label.mask)},
+            "attributes": {name: None if math.isnan(label.values[name]) else label.values[name] for name in NUMBERS},
+        }
+        for number, label in enumerate((label for label in labels if label.mask.any()), 1)
+    ]
     return {
         "info": {"description": f"Objects of {labels.path.name}", "version": "1"},
         "images": [{"id": n, "width": columns, "height": rows} for n in labels.frames],

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression
-from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
+from seaglint.base.schema import VARIABLES
 from seaglint.formats.object_labels import Label
 from seaglint.plot.figures_and_pages import new_figure, save_figure
-from seaglint.plot.scale import number_decades, scale_of
+from seaglint.plot.scale import add_article_units, number_decades, scale_of
 from seaglint.store.provenance import stored_band
 from seaglint.store.stored_images import directions, to_temperature
 
@@ -88,20 +88,6 @@ def _settings(dataset: xr.Dataset, *more: str) -> str:
     return " · ".join([f"{low:g}–{high:g} µm", f"sensor {dataset.attrs['sensor_height_m']:g} m", sea, *more, dataset.attrs["atmosphere"]])
 
 
-def _both_units(axes: Axes) -> None:
-    """Add an axis in the article's unit on the right-hand side."""
-
-    def article(radiance: Any) -> Any:
-        return ARTICLE_RADIANCE_PER_SI * radiance
-
-    def back(radiance: Any) -> Any:
-        return radiance / ARTICLE_RADIANCE_PER_SI
-
-    right = axes.secondary_yaxis("right", functions=(article, back))
-    right.set_ylabel(ARTICLE_RADIANCE_SYMBOL, fontsize=8)
-    right.tick_params(labelsize=7)
-
-
 def draw_figure_2(dataset: xr.Dataset) -> Figure:
     """Draw path and boundary properties against slant range, sunlight and sky against zenith angle; a line for each wind."""
     from matplotlib import colormaps
@@ -142,7 +128,7 @@ def draw_figure_2(dataset: xr.Dataset) -> Figure:
     temperature, radiance = dataset.attrs["blackbody_temperature_k"], dataset.attrs["blackbody_radiance_W_m2_sr"]
     for axes in (b, c, e):
         axes.axhline(radiance, color="0.4", linestyle="--", linewidth=1.0, label=f"blackbody of {temperature:g} K")
-        _both_units(axes)
+        add_article_units(axes, "right")
     last.axis("off")
     lines, names = b.get_legend_handles_labels()
     lines.append(a.plot([], [], color="0.3", linestyle=":", linewidth=2.0)[0])

@@ -201,22 +201,21 @@ def _summary(good: Sequence[DetectionCase]) -> str:
         result = case.done.result
         design = result.get("design") or {}
         for row in case.done.rows:
-            lines.append(
-                [
-                    _named(case),
-                    result["detector"],
-                    number(row["contrast"]),
-                    _unit(result),
-                    number(row["p_d"]),
-                    interval([row["p_d_low"], row["p_d_high"]]),
-                    number(row["p_fa"]),
-                    interval([row["p_fa_low"], row["p_fa_high"]]),
-                    number(design.get("contrast")),
-                    number(design.get("loss_db")),
-                    number(result.get("seas")),
-                    result.get("stopped") or "",
-                ]
-            )
+            line = [
+                _named(case),
+                result["detector"],
+                number(row["contrast"]),
+                _unit(result),
+                number(row["p_d"]),
+                interval([row["p_d_low"], row["p_d_high"]]),
+                number(row["p_fa"]),
+                interval([row["p_fa_low"], row["p_fa_high"]]),
+                number(design.get("contrast")),
+                number(design.get("loss_db")),
+                number(result.get("seas")),
+                result.get("stopped") or "",
+            ]
+            lines.append(line)
     return table(head, lines, words=(0,))
 
 

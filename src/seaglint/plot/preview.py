@@ -18,7 +18,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.representation import rounded
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 from seaglint.plot.figures_and_pages import beyond, new_figure, save_figure
-from seaglint.plot.scale import Kind, round_ticks, scale_of
+from seaglint.plot.scale import Kind, add_article_units, round_ticks, scale_of
 from seaglint.store.provenance import stored_band
 from seaglint.store.stored_images import below_horizon, directions, images, pictures, to_temperature
 
@@ -221,9 +221,7 @@ def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
         thermal.minorticks_off()
     else:
         bar.set_label(symbol, fontsize=8)
-        second = bar.ax.secondary_yaxis("left", functions=(lambda v: ARTICLE_RADIANCE_PER_SI * v, lambda v: v / ARTICLE_RADIANCE_PER_SI))
-        second.set_ylabel(ARTICLE_RADIANCE_SYMBOL, fontsize=8)
-        second.tick_params(labelsize=7)
+        add_article_units(bar.ax, "left")
     for drawn in (bar, thermal):
         drawn.ax.tick_params(labelsize=7)
 

@@ -161,8 +161,7 @@ class Summary:
         return (
             f"{self.frames} frame{'s' if self.frames != 1 else ''}, mean {rounded(self.mean, 4)} W m⁻² sr⁻¹ ({rounded(u * self.mean, 4)} "
             f"{ARTICLE_RADIANCE_SYMBOL}, {self.mean_apparent_temperature:.1f} K), peak {rounded(self.peak, 4)} "
-            f"({rounded(u * self.peak, 4)}, "
-            f"{self.peak_apparent_temperature:.1f} K), "
+            f"({rounded(u * self.peak, 4)}, {self.peak_apparent_temperature:.1f} K), "
             f"{100.0 * self.glint_fraction:.3g} % of the pixels over twice the water's blackbody radiance{bad}"
         )
 

@@ -132,7 +132,9 @@ def climb(
     # Sums of mean 0 and variance 1 make the information well conditioned; the results are converted back at the end.
     centre, spread = sums.reshape(count, -1).mean(axis=0), sums.reshape(count, -1).std(axis=0)
     centre[0], spread[0] = 0.0, 1.0
-    _refuse_even_sums(spread)
+    if (spread == 0.0).any():
+        message = "the neighbours of every pixel have one sum: their coupling cannot be told from alpha; choose a region that varies"
+        raise DomainError(message, name="image")
     z = (sums.reshape(count, -1) - centre) / spread
     share = x.mean() / most
     if start is None:
@@ -200,14 +202,6 @@ def score_covariance(scores: NDArray[np.float64], neighbours: Classes, *, period
             pairs = first.T @ second
         total = total + pairs + pairs.T
     return total
-
-
-def _refuse_even_sums(spread: FloatArray) -> None:
-    if (spread == 0.0).any():
-        raise DomainError(
-            "the neighbours of every pixel have one sum: their coupling cannot be told from alpha; choose a region that varies",
-            name="image",
-        )
 
 
 def _refuse_twins(information: FloatArray) -> None:

@@ -92,18 +92,16 @@ class RatePair:
     @classmethod
     def of(cls, a: FalseAlarmRate, b: FalseAlarmRate) -> Self:
         """Return the rates of the first and the second picture."""
-        ratio = b.rate / a.rate if a.exceedances and b.exceedances else None
-        ends = [a.rate_low, a.rate_high], [b.rate_low, b.rate_high]
         return cls(
             threshold_sigma=a.threshold_sigma,
             gaussian_rate=a.gaussian_rate,
             first=a.rate,
-            first_interval=ends[0],
+            first_interval=[a.rate_low, a.rate_high],
             second=b.rate,
-            second_interval=ends[1],
+            second_interval=[b.rate_low, b.rate_high],
             first_over_gaussian=a.ratio,
             second_over_gaussian=b.ratio,
-            second_over_first=ratio,
+            second_over_first=b.rate / a.rate if a.exceedances and b.exceedances else None,
         )
 
 

@@ -180,11 +180,10 @@ def even_region(frames: NDArray[np.floating]) -> PixelRegion | None:
     """Largest region without reportable slow changes, of a few sizes and places; None without one."""
     rows, columns = frames.shape[-2:]
     for share in SHARES:
-        examined = [(examine(region.of(frames)), region) for region in _places(rows, columns, share)]
         passed = [
             (changes.mean / REPORTED[0] + changes.spread / REPORTED[1], region)
-            for changes, region in examined
-            if not changes.beyond(REPORTED)
+            for region in _places(rows, columns, share)
+            if not (changes := examine(region.of(frames))).beyond(REPORTED)
         ]
         if passed:
             return min(passed, key=lambda pair: pair[0])[1]

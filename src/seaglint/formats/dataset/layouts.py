@@ -192,9 +192,7 @@ def masks(part: DatasetScene) -> dict[str, NDArray[np.bool_]]:
 
 def _sirst_problems(folder: Path, image: str) -> Iterator[str]:
     """Yield pictures without masks or names, masks of another size or other values."""
-    listed: list[str] = []
-    for split in SPLITS:
-        listed += (folder / "img_idx" / f"{split}.txt").read_text(encoding="utf-8").split()
+    listed = [name for split in SPLITS for name in (folder / "img_idx" / f"{split}.txt").read_text(encoding="utf-8").split()]
     pictures = {path.stem for path in (folder / "images").glob(f"*.{image}")}
     if len(set(listed)) < len(listed) or set(listed) != pictures:
         yield "img_idx: the lists do not name every picture once"

@@ -308,7 +308,8 @@ def open_zarr(path: Path, how: ArrayReading, *, ours: bool = False) -> Recording
     except Exception as error:
         drop_quietly(error)
         labelled = False
-    arrays = {str(name): member for name, member in _members(node) if _can_be_images(member)}
+    members = node.members(max_depth=None)
+    arrays = {str(name): member for name, member in members if isinstance(member, zarr.Array) and _can_be_images(member)}
     if labelled:
         name = _chosen(dataset, how.variable, str(path))
         if ours or name not in arrays:
@@ -321,12 +322,6 @@ def open_zarr(path: Path, how: ArrayReading, *, ours: bool = False) -> Recording
         return of_dataset(dataset, str(path), how).with_notes(*_fill_notes(arrays[name], how.missing))
     name = choose(arrays, how.variable, path)
     return _of_zarr_array(arrays[name], f"{path}:{name}", how)
-
-
-def _members(group: Any) -> list[tuple[str, Any]]:
-    import zarr
-
-    return [(name, member) for name, member in group.members(max_depth=None) if isinstance(member, zarr.Array)]
 
 
 def _can_be_images(array: Any) -> bool:

@@ -320,7 +320,6 @@ def _raw(path: Path, content: bytes, place: tuple[float, float] | None, time: da
     if content.startswith(NETCDF_MAGIC) or path.suffix.lower() in (".nc", ".nc4", ".cdf"):
         return read_netcdf_sounding(path, place, time, remedy)
     from seaglint.formats.soundings import text_soundings
-    from seaglint.formats.soundings.text_soundings import read_sounding_table
 
     text = sounding_text(path, content)
     lines = text.splitlines()
@@ -336,7 +335,7 @@ def _raw(path: Path, content: bytes, place: tuple[float, float] | None, time: da
         return text_soundings.read_avaps_record(path, lines)
     if text_soundings.is_iem_json(text):
         return text_soundings.read_iem_json(path, text, time)
-    return read_sounding_table(path, text)
+    return text_soundings.read_sounding_table(path, text)
 
 
 def sounding_text(path: Path, content: bytes) -> str:
