@@ -91,6 +91,7 @@ def _nodes(first: float, last: float) -> tuple[FloatArray, int, bool]:
     shift = turn * round(0.5 * (first + last) / turn)
     first, last = first - shift, last - shift
     around = np.concatenate([_BESIDE, [0.0], -_BESIDE])
+    # The range may reach a turn beyond the Sun: its images get nodes too.
     every = np.concatenate([around - turn, around, around + turn, [first, last]])
     nodes = np.unique(every[(every >= first) & (every <= last)].round(12))
     return nodes, int(np.argmin(np.abs(nodes))), first >= -math.pi - 1e-9 and last <= math.pi + 1e-9

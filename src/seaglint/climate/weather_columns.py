@@ -64,6 +64,7 @@ def relative_humidity(air_k: ArrayLike, dew_point_k: ArrayLike) -> FloatArray:
     0.525
     """
     a, b = _MAGNUS
+    # Ratio of the saturation pressures at the dew point and at the temperature of the air.
     air, dew = (np.asarray(t, dtype=np.float64) - ICE_POINT for t in (air_k, dew_point_k))
     return np.asarray(np.exp(a * dew / (b + dew) - a * air / (b + air)))
 
@@ -105,6 +106,7 @@ def model_atmosphere(latitude: ArrayLike, month: ArrayLike) -> NDArray[np.str_]:
     ['tropical', 'midlatitude-summer', 'midlatitude-winter', 'subarctic-winter']
     """
     lat, number = np.broadcast_arrays(np.asarray(latitude, dtype=np.float64), np.asarray(month, dtype=np.float64))
+    # April to September is the summer of the north and the winter of the south.
     warm = ((number >= 4) & (number <= 9)) == (lat >= 0.0)
     zone = np.where(np.abs(lat) >= SUBARCTIC_FROM, "subarctic", "midlatitude")
     seasonal = np.char.add(zone, np.where(warm, "-summer", "-winter"))

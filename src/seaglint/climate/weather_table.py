@@ -94,6 +94,7 @@ class WeatherTable:
             raise DomainError(f"row {row + 1}: weight is missing; give a number of 0 or more, or leave the column out", name="weight")
         if not columns["weight"].sum() > 0.0:
             raise DomainError("all weights are 0; give at least one row a weight above 0", name="weight", value=0.0)
+        # A frozen record must not change through its arrays.
         arrays: tuple[NDArray[Any], ...] = (*columns.values(), *texts.values())
         for array in arrays:
             array.flags.writeable = False
@@ -246,6 +247,7 @@ def month_used(month: FloatArray, weight: FloatArray) -> dict[int, int]:
     with_rows = _months(month, weight)
     if not with_rows:
         return {}
+    # The nearest month with rows; of two that are equally near, the earlier one.
     return {m: min(with_rows, key=lambda t: (min((t - m) % 12, (m - t) % 12), (m - t) % 12)) for m in range(1, 13)}
 
 

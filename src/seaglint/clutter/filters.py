@@ -7,6 +7,7 @@ The gain of a filter is free: false alarms are counted in standard deviations of
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Protocol, runtime_checkable
 
@@ -376,6 +377,12 @@ class Unfiltered:
         return as_frames(frames)
 
 
+_BY_NAME: Final[Mapping[str, Callable[[], Filter]]] = {
+    "laplacian": Laplacian, "difference_of_gaussians": DifferenceOfGaussians, "dog": DifferenceOfGaussians,
+    "median_subtraction": MedianSubtraction, "median": MedianSubtraction, "top_hat": TopHat, "tophat": TopHat, "none": Unfiltered,
+}  # fmt: skip
+
+
 def named(name: str) -> Filter:
     """Filter of a name with its default settings (:data:`NAMES`; ``-`` and ``_`` are equal, ``dog`` is short for the second).
 
@@ -389,15 +396,7 @@ def named(name: str) -> Filter:
     >>> named("top-hat").name
     'top_hat'
     """
-    match name.strip().lower().replace("-", "_"):
-        case "laplacian":
-            return Laplacian()
-        case "difference_of_gaussians" | "dog":
-            return DifferenceOfGaussians()
-        case "median_subtraction" | "median":
-            return MedianSubtraction()
-        case "top_hat" | "tophat":
-            return TopHat()
-        case "none":
-            return Unfiltered()
+    made = _BY_NAME.get(name.strip().lower().replace("-", "_"))
+    if made is not None:
+        return made()
     raise DataError(f"filter {name!r} is unknown; choose one of {', '.join(NAMES)}, or give a kernel or a signature of your own")

@@ -91,6 +91,7 @@ def maximum_likelihood(
     ----------
     C. J. Geyer and E. A. Thompson, "Constrained Monte Carlo maximum likelihood for dependent data", J. R. Stat. Soc. B 54 (1992), 657-699.
     """
+    # Without periods the pixels of the border are held: they serve as neighbours only.
     lattice = sampler.plan(first, field.shape, held_border=not (periodic or keep_histogram))
     purpose = "autobinomial-exchange-likelihood" if keep_histogram else "autobinomial-likelihood"
     chain = _Chain(field.copy(), lattice, sampler.words(seed, purpose), keep_histogram)
@@ -99,6 +100,7 @@ def maximum_likelihood(
         observed = field.size * inside_products(field, first.neighbours)
     model, fixed = first, first.parameters[: int(keep_histogram)]
     rounds, distance = 0, np.inf
+    # The slope of the mean field changes by the couplings times these numbers of pairs.
     pairs = np.array([len(one) for one in first.neighbours])
 
     def moved(by: FloatArray) -> Autobinomial:
@@ -116,6 +118,7 @@ def maximum_likelihood(
         turn = 0.5 * model.most * float(np.abs(step[-len(pairs) :]) @ pairs)
         model = moved(step * min(1.0, LONGEST_STEP / distance, LARGEST_TURN / turn))
     size = 1 + len(first.beta)
+    # Where the histogram is kept, alpha is no parameter: its row and column stay NaN.
     covariance = np.full((size, size), np.nan)
     if not distance < NEAR:
         return Optimum(model, covariance, rounds, False, float(distance))
@@ -166,8 +169,10 @@ def _last(differences: FloatArray) -> tuple[FloatArray, FloatArray, float, float
             break
         shift = shift + step
         logs = differences @ shift
+        # The largest exponent is taken off, so that no weight overflows.
         weights = np.exp(logs - logs.max())
         weights /= weights.sum()
+    # Effective share of weighted samples: 1 for equal weights.
     share = 1.0 / (differences.shape[0] * float((weights**2).sum()))
     inverse = np.linalg.pinv(np.atleast_2d(np.cov(differences.T, aweights=weights)), rcond=1e-14, hermitian=True)
     batches = np.array([batch.mean(axis=0) for batch in np.array_split(differences, BATCHES)])

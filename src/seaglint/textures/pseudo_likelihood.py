@@ -139,6 +139,7 @@ def climb(
     share = x.mean() / most
     if start is None:
         theta = np.zeros(z.shape[1])
+        # Without couplings the logit of the mean is the maximum.
         theta[0] = np.log(share / (1.0 - share))
     else:
         theta = np.asarray(start, dtype=np.float64) * spread
@@ -161,6 +162,7 @@ def climb(
         if gain <= DECREMENT:
             converged = True
             break
+        # The step is halved until it gains its share of the expected gain.
         length = 1.0
         while (then := value(theta + length * step)) < now + 1e-4 * length * gain and length > 1e-10:
             length *= 0.5

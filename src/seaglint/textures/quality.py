@@ -192,6 +192,7 @@ class Comparison:
 
 
 def _values(a: FloatArray, b: FloatArray) -> ValueDistances:
+    # The largest difference of two distribution functions lies at a value of one of the samples.
     every = np.concatenate([a, b])
     every.sort()
     shares = [np.searchsorted(v, every, side="right") / v.size for v in (a, b)]
@@ -291,6 +292,7 @@ def _measure(name: str, x: NDArray[np.floating], side: int, ends: FloatArray, fr
     near = spatial_correlation(few, longest=LAGS)
     time = None
     if frames:
+        # About 4000 pixels of a frame are enough for the correlation in time.
         step = max(int(math.sqrt(x[0].size / 4000.0)), 1)
         time = temporal_correlation(x[:frames, ::step, ::step].reshape(frames, -1), longest=min(TIMES, frames // 2)).rho
     spectrum = power_spectrum((few - few.mean()) / std, size=side)
@@ -324,6 +326,7 @@ def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels
         first = grey[:, : rows - down, max(-right, 0) : columns - max(right, 0)]
         second = grey[:, down:, max(right, 0) : columns + min(right, 0)]
         table = np.bincount((first * levels + second).ravel(), minlength=levels * levels).reshape(levels, levels).astype(np.float64)
+        # Symmetric: each pair counts in both orders.
         p = (table + table.T) / (2.0 * table.sum())
         mean = float((p * i).sum())
         variance = max(float((p * (i - mean) ** 2).sum()), 1e-300)

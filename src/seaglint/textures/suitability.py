@@ -156,6 +156,7 @@ class Changes:
 def examine(frames: NDArray[np.floating]) -> Changes:
     """Measure the slow changes of a region, shape (frames, rows, columns)."""
     some = np.asarray(frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).astype(int))], np.float64)
+    # Slow changes need no more than some evenly spread rows and columns.
     some = some[:, :: max(some.shape[1] // SAMPLED, 1), :: max(some.shape[2] // SAMPLED, 1)]
     variance = float(some.var())
     if not variance > 0.0:

@@ -199,13 +199,10 @@ def order_of(times: Any) -> tuple[str, ...]:
     known = times[~np.isnat(times)] if np.issubdtype(times.dtype, np.datetime64) else times[~np.isnan(times)]
     steps = np.diff(known.astype(np.float64))
     back = int(np.sum(steps < 0))
-    notes = []
-    if back:
-        first = int(np.flatnonzero(steps < 0)[0]) + 2
-        notes.append(
-            f"times are not sorted: {back} go backwards, the first in record {first}; all rows are kept, a weather table has no order"
-        )
-    return tuple(notes)
+    if not back:
+        return ()
+    first = int(np.flatnonzero(steps < 0)[0]) + 2
+    return (f"times are not sorted: {back} go backwards, the first in record {first}; all rows are kept, a weather table has no order",)
 
 
 def parse_box(text: str) -> GeographicBox:

@@ -21,9 +21,8 @@ from seaglint.scenario.model import Scenario
 
 Job = Literal["mean", "frame"]
 
-MOST_PIXELS: Final = (
-    160 * 80
-)  #: Largest number of pixels of a small picture; most of the time is spent on tables, which do not depend on it.
+#: Largest number of pixels of a small picture; most of the time is spent on tables, which do not depend on it.
+MOST_PIXELS: Final = 160 * 80
 
 _COARSE: Final = {"lines_per_column": 2, "variance_error": 0.2, "layers": (), "apparent_temperature": False}
 
