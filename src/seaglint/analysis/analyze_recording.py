@@ -39,10 +39,8 @@ REGIONS: Final = ("all", "glint", "background")  #: Names of the regions; all of
 
 _HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}  #: Ratio of the density of a Gaussian to its tail.
 
-
 #: Ratio of a Gaussian's tail with 12/20 of the variance to its tail with the whole variance.
 _BORDER_TAIL: Final = {3.0: 0.0398, 3.5: 0.0134}
-
 
 STORED_FRAMES: Final = 24  #: Largest number of frames stored for statistics in space, evenly spaced over the recording.
 

@@ -172,7 +172,14 @@ def round_ticks(share: Callable[[FloatArray], FloatArray], value: Callable[[Floa
 
 def add_article_units(axes: Axes, side: Literal["left", "right"]) -> None:
     """Add an axis at a side that has the radiances of the other one in the unit of the source article."""
-    second = axes.secondary_yaxis(side, functions=(lambda v: ARTICLE_RADIANCE_PER_SI * v, lambda v: v / ARTICLE_RADIANCE_PER_SI))
+
+    def article(radiance: Any) -> Any:
+        return ARTICLE_RADIANCE_PER_SI * radiance
+
+    def back(radiance: Any) -> Any:
+        return radiance / ARTICLE_RADIANCE_PER_SI
+
+    second = axes.secondary_yaxis(side, functions=(article, back))
     second.set_ylabel(ARTICLE_RADIANCE_SYMBOL, fontsize=8)
     second.tick_params(labelsize=7)
 
