@@ -39,10 +39,8 @@ REGIONS: Final = ("all", "glint", "background")  #: Names of the regions; all of
 
 _HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}  #: Ratio of the density of a Gaussian to its tail.
 
-_BORDER_TAIL: Final = {
-    3.0: 0.0398,
-    3.5: 0.0134,
-}  #: Ratio of a Gaussian's tail with 12/20 of the variance to its tail with the whole variance.
+#: Ratio of a Gaussian's tail with 12/20 of the variance to its tail with the whole variance.
+_BORDER_TAIL: Final = {3.0: 0.0398, 3.5: 0.0134}
 
 STORED_FRAMES: Final = 24  #: Largest number of frames stored for statistics in space, evenly spaced over the recording.
 
@@ -382,8 +380,7 @@ def _sequence_scales(
     scales = {}
     for name, (count, total, squares) in sums.items():
         level = float(total) / float(count) if count else 0.0
-        variance = float(squares) / float(count) - level**2 if count else 0.0
-        scales[name] = (level, float(np.sqrt(max(variance, 0.0))))
+        scales[name] = (level, float(np.sqrt(max(float(squares) / float(count) - level**2 if count else 0.0, 0.0))))
     return scales
 
 

@@ -306,8 +306,7 @@ def _dead(recording: Recording, moments: PixelMoments, flat_rows: BoolArray) -> 
     """Return rows without any variation, pixels that never change or never have a value, and the notes on them."""
     notes: list[str] = []
     dead = moments.count == 0
-    whole = (moments.minimum == moments.maximum).all() and np.ptp(moments.mean[~dead]) == 0.0
-    if whole:
+    if (moments.minimum == moments.maximum).all() and np.ptp(moments.mean[~dead]) == 0.0:
         return dead, ["all pixels of all frames are equal: there are no statistics of a constant"]
     if recording.columns > 1 and flat_rows.any() and not flat_rows.all():
         where = np.flatnonzero(flat_rows)

@@ -78,8 +78,7 @@ def arc(day: FloatArray, latitude: FloatArray, longitude: FloatArray) -> tuple[F
     # Equation of time [rad]: the true Sun passes south this much after the mean one.
     equation_of_time = 0.000075 + 0.001868 * np.cos(x) - 0.032077 * np.sin(x) - 0.014615 * np.cos(2 * x) - 0.040849 * np.sin(2 * x)
     phi = np.radians(latitude)
-    across = np.maximum(np.cos(phi) * np.cos(declination), 1e-9)
-    cosine = (math.sin(_DUSK) - np.sin(phi) * np.sin(declination)) / across
+    cosine = (math.sin(_DUSK) - np.sin(phi) * np.sin(declination)) / np.maximum(np.cos(phi) * np.cos(declination), 1e-9)
     return 12.0 - longitude / 15.0 - equation_of_time * _HALF_DAY / math.pi, np.arccos(np.clip(cosine, -1.0, 1.0)) * _HALF_DAY / math.pi
 
 
@@ -103,6 +102,7 @@ def hours_of_light(uniform: FloatArray, noon: FloatArray, half: FloatArray, hour
     True
     """
     low, high = hours
+    # The noon within the day that begins with the first hour.
     noon = (noon - low) % 24.0 + low
     # The arc may reach into the day before or after: its pieces inside the hours, in the order of the arc.
     pieces = [(np.clip(centre - half, low, high), np.clip(centre + half, low, high)) for centre in (noon + 24.0, noon, noon - 24.0)]
@@ -119,6 +119,7 @@ def hours_of_light(uniform: FloatArray, noon: FloatArray, half: FloatArray, hour
     for begin, end in reversed(pieces):
         night = np.where((night >= begin) & (end > begin), night + (end - begin), night)
     weight = np.where(by_day, light / _BY_DAY, dark / (1.0 - _BY_DAY)) / (high - low)
+    # The last hour itself is excluded: it belongs to the next day.
     return Hours(np.clip(np.where(by_day, hour, night), low, np.nextafter(high, low)), weight)
 
 
@@ -196,6 +197,7 @@ def bandwidths(table: WeatherTable, names: Sequence[str] = ("wind_speed_m_s", "c
         if name not in BOUNDS:
             raise DomainError(f"'{name}' cannot be smoothed; smoothed can be {', '.join(BOUNDS)}")
     d = len(names)
+    # Width of a Gaussian kernel that suits a Gaussian density in d dimensions.
     rule = (4.0 / ((d + 2) * table.effective_rows)) ** (1.0 / (d + 4))
     return {name: rule * _standard_deviation(table, name) for name in names}
 
@@ -253,11 +255,13 @@ def _noisy(values: FloatArray, noise: FloatArray, name: str) -> FloatArray:
     if name == "wind_from_deg":
         return np.asarray(moved % 360.0)
     if np.isfinite(high):
+        # Reflected at both ends as often as needed: no probability leaves the range.
         period = 2.0 * (high - low)
         folded = np.abs((moved - low) % period)
         moved = low + np.minimum(folded, period - folded)
     elif np.isfinite(low):
         moved = low + np.abs(moved - low)
+    # Values at an end, as calms and clear skies, stay there.
     return np.where((values <= low) | (values >= high), values, moved)
 
 
@@ -428,9 +432,9 @@ def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time:
     weight, wind, cover, of_month, hour = (table[name][some] for name in ("weight", "wind_speed_m_s", "cloud_cover", "month", "hour_utc"))
     hour = hour % 24.0
     used = month_used(of_month, weight)
-    month = months_of(time)
-    key = np.array([0, *(used.get(m, 0) for m in range(1, 13))])[month]
+    key = np.array([0, *(used.get(m, 0) for m in range(1, 13))])[months_of(time)]
     hours = np.unique(hour[weight > 0.0])
+    # Hours count only where every row has one and they differ.
     hours = hours[:0] if np.isnan(hours).any() or hours.size < 2 else hours
     at_hour = _nearest(time % _DAY / 3600.0, hours) if hours.size else np.zeros(time.size, dtype=np.intp)
     order = np.lexsort((at_hour, key))
@@ -475,8 +479,7 @@ def _of_rows(table: WeatherTable, uniform: Mapping[str, FloatArray], when: Times
     known = ~np.isnan(hour[rows])
     if known.any():
         # Each report stands for the time until its neighbours': hours are spread evenly about it.
-        width = 24.0 / max(np.unique(hour[~np.isnan(hour)] % 24.0).size, 1)
-        around = (hour[rows] + width * (uniform["hour"] - 0.5)) % 24.0
+        around = (hour[rows] + (24.0 / max(np.unique(hour[~np.isnan(hour)] % 24.0).size, 1)) * (uniform["hour"] - 0.5)) % 24.0
         time = np.where(known, time - time % _DAY + 3600.0 * around, time)
     return Conditions(np.asarray(rows, dtype=np.int64), time, table["latitude_deg"][rows], table["longitude_deg"][rows])
 

@@ -38,6 +38,7 @@ class SamplingPlan:
     @classmethod
     def of(cls, samples: int) -> SamplingPlan:
         """Plan of at least ``samples`` points, in 16 to 31 scramblings (32 where rounding requires it)."""
+        # A power of two: the numbers of points for which a Sobol sequence is even.
         points = 2 ** max(int(math.log2(max(samples // SCRAMBLINGS, 1))), 0)
         return cls(max(math.ceil(samples / points), SCRAMBLINGS), points)
 
@@ -101,9 +102,11 @@ def estimate(values: FloatArray, plan: SamplingPlan, *, weight: FloatArray | Non
     half = float(student.ppf(0.5 + 0.5 * LEVEL, plan.scramblings - 1)) * float(np.std(scatter, ddof=1)) / math.sqrt(plan.scramblings)
     if not math.isfinite(most):
         return Estimate(mean, max(mean - half, 0.0), mean + half)
+    # Without any hit the 95 % limit of a rate is 3 over the number of draws.
     half = max(half, 3.0 * most / total)
     low, high = mean - half, mean + half
     tail, hits, misses = 0.5 * (1.0 - LEVEL), float(numerator.sum()) / most, (most * total - float(numerator.sum())) / most
+    # Exact interval of a Poisson count, by the incomplete gamma function.
     if 0.0 < hits < _FEW:
         low, high = min(low, most * float(gammaincinv(hits, tail)) / total), max(high, most * float(gammainccinv(hits + 1.0, tail)) / total)
     if 0.0 < misses < _FEW:
@@ -141,17 +144,16 @@ def strata(
             if count == 0.0:
                 continue
             chance = estimate(values, plan, weight=inside)
-            result.append(
-                StratumChance(
-                    threshold_w_m2_sr=threshold,
-                    by=name,
-                    low=float(edges[i - 1]),
-                    high=number(edges[i]),
-                    share=count / total,
-                    value=chance.value,
-                    interval_low=chance.low,
-                    interval_high=chance.high,
-                    contribution=float(values @ inside) / whole if whole > 0.0 else None,
-                )
+            stratum = StratumChance(
+                threshold_w_m2_sr=threshold,
+                by=name,
+                low=float(edges[i - 1]),
+                high=number(edges[i]),
+                share=count / total,
+                value=chance.value,
+                interval_low=chance.low,
+                interval_high=chance.high,
+                contribution=float(values @ inside) / whole if whole > 0.0 else None,
             )
+            result.append(stratum)
     return result

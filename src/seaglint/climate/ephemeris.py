@@ -59,8 +59,7 @@ class Ephemeris:
         place = (0.0, 0.0, 0.0, STANDARD_PRESSURE, STANDARD_TEMPERATURE, _DELTA_T, _RISE, 1)
         sidereal, ascension, declination = spa.solar_position(times, *place, sst=True)
         distance = spa.solar_position(times, *place, esd=True)[0]
-        century = spa.julian_century(spa.julian_day(times))
-        nutation = sidereal - spa.mean_sidereal_time(spa.julian_day(times), century)
+        nutation = sidereal - spa.mean_sidereal_time(spa.julian_day(times), spa.julian_century(spa.julian_day(times)))
         # The difference of two angles in [0, 360) may be off by a turn.
         nutation = (nutation + 180.0) % 360.0 - 180.0
         columns = [np.unwrap(np.radians(ascension)), np.radians(declination), distance, np.radians(nutation)]
@@ -116,11 +115,7 @@ class Ephemeris:
             )
         out = np.empty((3, t.size))
         air = (pressure / 1010.0 * 283.0 / (273.0 + temperature), height)
-
-        def work(part: tuple[int, int]) -> None:
-            _fill(part, t, lat, lon, self.first - 2.0 * _STEP, self._table, air, out)
-
-        in_threads(work, t.size)
+        in_threads(lambda part: _fill(part, t, lat, lon, self.first - 2.0 * _STEP, self._table, air, out), t.size)
         return SunPositions(out[0], out[1], out[2])
 
 

@@ -79,11 +79,7 @@ def azimuth_shares(
     out = np.zeros((rows.shape[0], len(thresholds)))
     plan = _AzimuthPlan(*_nodes(*azimuths), np.log(np.asarray(thresholds, dtype=np.float64)), light.depression)
     rule = sun_disc(0.0, 0.0, STEADY).rule
-
-    def work(part: tuple[int, int]) -> None:
-        _fill(part, rows, levels, light, sea, plan, rule, out)
-
-    in_threads(work, rows.shape[0])
+    in_threads(lambda part: _fill(part, rows, levels, light, sea, plan, rule, out), rows.shape[0])
     return out
 
 
@@ -95,6 +91,7 @@ def _nodes(first: float, last: float) -> tuple[FloatArray, int, bool]:
     shift = turn * round(0.5 * (first + last) / turn)
     first, last = first - shift, last - shift
     around = np.concatenate([_BESIDE, [0.0], -_BESIDE])
+    # The range may reach a turn beyond the Sun: its images get nodes too.
     every = np.concatenate([around - turn, around, around + turn, [first, last]])
     nodes = np.unique(every[(every >= first) & (every <= last)].round(12))
     return nodes, int(np.argmin(np.abs(nodes))), first >= -math.pi - 1e-9 and last <= math.pi + 1e-9

@@ -77,8 +77,8 @@ class WindSlopes(NamedTuple):
 def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) -> WindSlopes:
     """Tabulate slopes between two winds [m/s]."""
     low, high = winds
-    count = max(int(np.ceil((high - low) / _STEP)) + 1, 2)
-    nodes = np.linspace(low, max(high, low + 1e-6), count)
+    # Two nodes that differ, even for a single wind: interpolation needs an interval.
+    nodes = np.linspace(low, max(high, low + 1e-6), max(int(np.ceil((high - low) / _STEP)) + 1, 2))
     statistics = [floored(slopes_at(float(min(wind, high)))) for wind in nodes]
     deviations = np.array([math.sqrt(0.5 * s.mss) for s in statistics])
     table = np.array([[s.mss_up, s.mss_cross, *s.coefficients] for s in statistics])
@@ -182,11 +182,7 @@ def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Sear
     out = np.zeros((rows.shape[0], 5))
     plan = _LookPlan(search.depressions, search.azimuths, search.refinements, search.half_width, *light.depression)
     disc = sun_disc(0.0, 0.0, STEADY)
-
-    def work(part: tuple[int, int]) -> None:
-        _fill(part, rows, levels, light, sea, plan, disc.rule, out)
-
-    in_threads(work, rows.shape[0])
+    in_threads(lambda part: _fill(part, rows, levels, light, sea, plan, disc.rule, out), rows.shape[0])
     return Looks(*(np.ascontiguousarray(column) for column in out.T))
 
 
@@ -233,6 +229,7 @@ def _area_ratio(sea: WindSlopes, wind: float, edge: float, turn: float) -> float
     y = min(max(edge, 0.0), HIGHEST) / HIGHEST * (sea.area.shape[1] - 1)
     z = folded / math.pi * (sea.area.shape[2] - 1)
     i, j, k = min(int(x), sea.area.shape[0] - 2), min(int(y), sea.area.shape[1] - 2), min(int(z), sea.area.shape[2] - 2)
+    # Linear in wind, elevation and direction.
     f, g, h = x - i, y - j, z - k
     total = 0.0
     for a in range(2):
@@ -325,6 +322,7 @@ def _fill(
     points, coefficients, weights = np.empty((7, 4)), np.empty(5), np.zeros((4, 4))
     for n in range(part[0], part[1]):
         row = draws[n]
+        # A negative elevation marks a look that misses the sea.
         out[n, 3] = -1.0
         if row[4] > 0.5 * math.pi + DUSK:
             continue
@@ -423,6 +421,7 @@ def passes(mean: FloatArray, sigma: FloatArray, threshold: float) -> FloatArray:
     >>> round(float(passes(np.array([1.0]), np.array([1.0]), 2.0)[0]), 4)
     0.1353
     """
+    # Without a deviation the law is a step at the mean.
     spread = (sigma > 1e-6 * mean) & (mean > 0.0)
     shape = np.divide(mean, sigma, out=np.ones_like(mean), where=spread) ** 2
     scale = np.divide(mean, shape, out=np.ones_like(mean), where=spread)
@@ -444,9 +443,8 @@ def exceeded_by(radiance: FloatArray, illuminated: FloatArray, shares: Sequence[
 
     ``weight`` is the weight of each draw [(n,)]; equal weights without it.
     """
+    # From the brightest down, the sum of the weights is the share of looks that exceed a radiance.
     order = np.argsort(radiance)[::-1]
     each = np.ones(radiance.size) if weight is None else weight
-    above = np.cumsum((illuminated * each)[order]) / each.sum()
-    at = np.searchsorted(above, np.asarray(shares), side="left")
-    values = np.append(np.where(radiance[order] > 1e-200, radiance[order], 0.0), 0.0)
-    return np.asarray(values[np.minimum(at, radiance.size)])
+    at = np.searchsorted(np.cumsum((illuminated * each)[order]) / each.sum(), np.asarray(shares), side="left")
+    return np.asarray(np.append(np.where(radiance[order] > 1e-200, radiance[order], 0.0), 0.0)[np.minimum(at, radiance.size)])

@@ -118,11 +118,13 @@ def mirrored_light(
                     at = np.flatnonzero(coarse == w)[0], np.flatnonzero(few_levels == h)[0]
                     shapes[m, at[0], at[1]] = sums.reflectance(level, gamma, few_suns)
         if winds is None:
+            # The cubic in the wind needs four nodes: without wind they are equal.
             values[m, 1:] = values[m, :1]
     if winds is None:
         coarse, shapes = np.array([0, nodes.shape[1] - 1]), np.repeat(shapes, 2, axis=1)
     few_heights = levels[few_levels]
     if levels.size == 1:
+        # Linear interpolation needs a second node, equal to the first.
         few_heights, shapes = levels[0] + np.array([0.0, 1.0]), np.repeat(shapes, 2, axis=2)
     return MirroredLight(
         winds=nodes,
@@ -206,6 +208,7 @@ def height_coordinate(height: ArrayLike) -> FloatArray:
     [0.0, 1.5]
     """
     h = np.asarray(height, dtype=np.float64)
+    # The logarithm up to 1 km; above, one unit for each layer of 1 km.
     layer = np.floor(np.maximum(h, 1e3) / 1e3) - 1.0
     part = np.maximum(h - 1e3 * (layer + 1.0), 0.0) / 1e3
     return np.asarray(np.where(h <= 1e3, np.log(np.minimum(h, 1e3) / 1e3), layer + np.sqrt(part)))
@@ -243,6 +246,7 @@ def elevation_kernel(height: float, depression: float) -> float:
     """Elevation of the viewer above the horizontal at the sea point in view [rad]; negative where the look misses the sea."""
     excess = height / EFFECTIVE_EARTH_RADIUS
     half = math.sin(0.5 * depression)
+    # By half angles, which keep the digits near the horizon.
     square = half * half * (1.0 + excess) - 0.5 * excess
     return 2.0 * math.asin(math.sqrt(square)) if depression > 0.0 and square >= 0.0 else -1.0
 
@@ -255,8 +259,7 @@ def view_range_kernel(height: float, low: float, high: float) -> tuple[float, fl
     """
     scale = math.acos(EFFECTIVE_EARTH_RADIUS / (EFFECTIVE_EARTH_RADIUS + height))
     first = math.asinh(max(elevation_kernel(height, low), 0.0) / scale)
-    last = math.asinh(max(elevation_kernel(height, high), 0.0) / scale)
-    return scale, first, max(last, first + 1e-3)
+    return scale, first, max(math.asinh(max(elevation_kernel(height, high), 0.0) / scale), first + 1e-3)
 
 
 def view_elevations(height: float, depression: tuple[float, float], share: FloatArray) -> FloatArray:
@@ -271,6 +274,7 @@ def place_four(x: float, nodes: FloatArray, first: int, last: int, weights: Floa
     i = first + 1
     while i < last - 2 and nodes[i + 1] <= x:
         i += 1
+    # Four nodes about x, all of its own piece.
     start = min(max(i - 1, first), last - 3)
     for k in range(4):
         w = 1.0
@@ -287,6 +291,7 @@ def place_even(x: float, count: int, weights: FloatArray) -> int:
     z = min(max(x, 0.0), 1.0) * (count - 1)
     start = min(max(int(z) - 1, 0), count - 4)
     f = z - start
+    # Weights of Lagrange for four even nodes, f steps from the first.
     weights[0] = -(f - 1.0) * (f - 2.0) * (f - 3.0) / 6.0
     weights[1] = f * (f - 2.0) * (f - 3.0) / 2.0
     weights[2] = -f * (f - 1.0) * (f - 3.0) / 2.0

@@ -96,6 +96,7 @@ def wind_rose(table: WeatherTable) -> FloatArray:
     come, speed = table["wind_from_deg"], table["wind_speed_m_s"]
     known = ~np.isnan(come) & ~np.isnan(speed)
     width = 360.0 / SECTORS
+    # Half a sector further, so that the first one is centred on north.
     sector = np.floor(((come[known] + 0.5 * width) % 360.0) / width).astype(np.int64)
     speed_class = np.searchsorted(SPEED_EDGES, speed[known], side="right") - 1
     out = np.zeros((SECTORS, len(SPEED_EDGES) - 1))

@@ -64,6 +64,7 @@ def relative_humidity(air_k: ArrayLike, dew_point_k: ArrayLike) -> FloatArray:
     0.525
     """
     a, b = _MAGNUS
+    # Ratio of the saturation pressures at the dew point and at the temperature of the air.
     air, dew = (np.asarray(t, dtype=np.float64) - ICE_POINT for t in (air_k, dew_point_k))
     return np.asarray(np.exp(a * dew / (b + dew) - a * air / (b + air)))
 
@@ -79,8 +80,7 @@ def significant_height(wind_waves: ArrayLike, swell: ArrayLike) -> FloatArray:
     [5.0, 1.0]
     """
     a, b = np.asarray(wind_waves, dtype=np.float64), np.asarray(swell, dtype=np.float64)
-    both = np.hypot(np.nan_to_num(a), np.nan_to_num(b))
-    return np.where(np.isnan(a) & np.isnan(b), np.nan, both)
+    return np.where(np.isnan(a) & np.isnan(b), np.nan, np.hypot(np.nan_to_num(a), np.nan_to_num(b)))
 
 
 def west_east(longitude: ArrayLike) -> FloatArray:
@@ -106,6 +106,7 @@ def model_atmosphere(latitude: ArrayLike, month: ArrayLike) -> NDArray[np.str_]:
     ['tropical', 'midlatitude-summer', 'midlatitude-winter', 'subarctic-winter']
     """
     lat, number = np.broadcast_arrays(np.asarray(latitude, dtype=np.float64), np.asarray(month, dtype=np.float64))
+    # April to September is the summer of the north and the winter of the south.
     warm = ((number >= 4) & (number <= 9)) == (lat >= 0.0)
     zone = np.where(np.abs(lat) >= SUBARCTIC_FROM, "subarctic", "midlatitude")
     seasonal = np.char.add(zone, np.where(warm, "-summer", "-winter"))

@@ -36,6 +36,7 @@ class GeographicBox:
 
     def holds(self, latitude: FloatArray, longitude: FloatArray) -> BoolArray:
         """True for places [deg] inside."""
+        # A whole turn has a width of 360 deg, of which the remainder would be 0.
         width = 360.0 if self.east - self.west >= 360.0 else (self.east - self.west) % 360.0
         return np.asarray((latitude >= self.south) & (latitude <= self.north) & ((longitude - self.west) % 360.0 <= width))
 
@@ -63,6 +64,7 @@ class Polygon:
         around = [(float(west_east(lon - first)), lat) for lon, lat in self.corners]
         inside = np.zeros(np.broadcast(x, y).shape, dtype=np.bool_)
         for (x0, y0), (x1, y1) in zip(around, around[1:] + around[:1], strict=True):
+            # An edge along a parallel is not crossed by another parallel.
             if y0 == y1:
                 continue
             crossed = (y0 > y) != (y1 > y)

@@ -94,6 +94,7 @@ class WeatherTable:
             raise DomainError(f"row {row + 1}: weight is missing; give a number of 0 or more, or leave the column out", name="weight")
         if not columns["weight"].sum() > 0.0:
             raise DomainError("all weights are 0; give at least one row a weight above 0", name="weight", value=0.0)
+        # A frozen record must not change through its arrays.
         arrays: tuple[NDArray[Any], ...] = (*columns.values(), *texts.values())
         for array in arrays:
             array.flags.writeable = False
@@ -143,8 +144,7 @@ class WeatherTable:
 
     def missing_share(self, name: str) -> float:
         """Weighted share of the rows without a value."""
-        lacks = self.text(name) == "" if name in TEXTS else np.isnan(self[name])
-        return float(np.sum(self.probability[lacks]))
+        return float(np.sum(self.probability[self.text(name) == "" if name in TEXTS else np.isnan(self[name])]))
 
     def take(self, rows: NDArray[np.integer] | NDArray[np.bool_]) -> WeatherTable:
         """Return rows by index or mask, in their order, with their weights.
@@ -247,6 +247,7 @@ def month_used(month: FloatArray, weight: FloatArray) -> dict[int, int]:
     with_rows = _months(month, weight)
     if not with_rows:
         return {}
+    # The nearest month with rows; of two that are equally near, the earlier one.
     return {m: min(with_rows, key=lambda t: (min((t - m) % 12, (m - t) % 12), (m - t) % 12)) for m in range(1, 13)}
 
 
@@ -283,9 +284,7 @@ def _check_range(name: str, values: FloatArray) -> None:
     if bad.size:
         allowed = f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
         more = f" ({bad.size - 1} more rows like it)" if bad.size > 1 else ""
-        raise DomainError(
-            f"row {bad[0] + 1}: {name} = {values[bad[0]]:g} is outside the range allowed: {allowed}; correct it, or leave it empty{more}",
-            name=name,
-            value=float(values[bad[0]]),
-            allowed=(low, high),
+        message = (
+            f"row {bad[0] + 1}: {name} = {values[bad[0]]:g} is outside the range allowed: {allowed}; correct it, or leave it empty{more}"
         )
+        raise DomainError(message, name=name, value=float(values[bad[0]]), allowed=(low, high))

@@ -492,8 +492,7 @@ def queued(path: Path, report: Report = lambda line: None) -> Iterator[DaskWorke
     """
     require_dask()
     kind, jobs, timeout, options = read_settings(path)
-    dask_jobqueue = optional("dask_jobqueue", "a batch queue")
-    made = getattr(dask_jobqueue, KINDS[kind])
+    made = getattr(optional("dask_jobqueue", "a batch queue"), KINDS[kind])
     command = str(made.job_cls.submit_command).split()[0]
     if shutil.which(command) is None:
         raise BackendError(f"{path}: {command} is not on this machine; run this where jobs are submitted, or change kind = {kind!r}")

@@ -57,8 +57,7 @@ def _autocovariance(e: FloatArray) -> FloatArray:
     # Padded to twice the length, so that the circular products of the transform do not wrap around.
     size = [next_fast_len(2 * n - 1, real=True) for n in e.shape]
     wave = rfftn(e, size)
-    products = irfftn(wave.real**2 + wave.imag**2, size)
-    return np.asarray(products[np.ix_(*(np.arange(-(n - 1), n) for n in e.shape))], np.float64)
+    return np.asarray(irfftn(wave.real**2 + wave.imag**2, size)[np.ix_(*(np.arange(-(n - 1), n) for n in e.shape))], np.float64)
 
 
 def _cutoff(covariance: FloatArray, cells: float) -> int | None:
@@ -80,8 +79,7 @@ def _cutoff(covariance: FloatArray, cells: float) -> int | None:
 def _window(m: int, n: int) -> FloatArray:
     """Return the flat-top window at lags -(n-1) ... n-1; it reaches one lag beyond the last correlated one, which costs little."""
     lag = np.abs(np.arange(-(n - 1), n))
-    flat = m + 1
-    return np.asarray(np.clip(2.0 - lag / flat, 0.0, 1.0) if m > 0 else (lag <= 1) * 1.0)
+    return np.asarray(np.clip(2.0 - lag / (m + 1), 0.0, 1.0) if m > 0 else (lag <= 1) * 1.0)
 
 
 def _windows(products: FloatArray, occupied: FloatArray) -> tuple[list[FloatArray], list[float]]:

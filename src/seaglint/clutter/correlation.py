@@ -197,8 +197,7 @@ def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, 
     valid = np.isfinite(data)
     enough = valid.sum(axis=0) >= max(FEWEST_FRAMES, frames // 2)
     data, valid = data[:, enough], valid[:, enough]
-    number = np.maximum(valid.sum(axis=0), 1)
-    centred = np.where(valid, data - np.where(valid, data, 0.0).sum(axis=0) / number, 0.0)
+    centred = np.where(valid, data - np.where(valid, data, 0.0).sum(axis=0) / np.maximum(valid.sum(axis=0), 1), 0.0)
     variance = float(np.sum(centred**2) / max(valid.sum(), 1))
     if not variance > 0.0:
         return TemporalCorrelation(np.full(1, np.nan), np.nan, np.nan, "no pixel changes in time")
@@ -236,8 +235,7 @@ def effective_count(count: float, *scales: float) -> float:
     float
         At least 1, at most ``count``. For functions of the values that are less correlated than they are, a lower bound.
     """
-    product = float(np.prod([max(s, 1.0) for s in scales if np.isfinite(s)]))
-    return float(max(count / product, 1.0)) if count else 0.0
+    return float(max(count / float(np.prod([max(s, 1.0) for s in scales if np.isfinite(s)])), 1.0)) if count else 0.0
 
 
 def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np.int64]:
@@ -257,8 +255,7 @@ def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np
     label = np.zeros(shape, dtype=np.int64)
     for axis, (size, side) in enumerate(zip(shape, sides, strict=True)):
         number = max(int(size // max(np.ceil(side), 1)), 1)
-        along = np.arange(size) * number // size
-        label = label * number + along.reshape([-1 if i == axis else 1 for i in range(len(shape))])
+        label = label * number + (np.arange(size) * number // size).reshape([-1 if i == axis else 1 for i in range(len(shape))])
     return label
 
 
@@ -284,8 +281,7 @@ def decay(rho: FloatArray) -> float:
     # Within the first lag no shape can be recognised, unless the next values are above noise: the straight line is taken.
     if after == 1 and (len(rho) < 3 or rho[2] <= 0.02 or rho[1] <= 0.02):
         return (1.0 - LEVEL) / (1.0 - float(rho[1]))
-    first = max(after - 2, 0)
-    nodes = np.arange(first, min(after + 2, len(rho)))
+    nodes = np.arange(max(after - 2, 0), min(after + 2, len(rho)))
     # Values near zero are noise, and their logarithm would dominate the cubic.
     nodes = nodes[: 1 + int(np.flatnonzero(rho[nodes] > 0.02)[-1])]
     if len(nodes) < 2 or np.any(rho[nodes] <= 0.02):

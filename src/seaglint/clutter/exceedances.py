@@ -334,7 +334,6 @@ class EventTracker:
         # By first frame, then by place.
         order = np.argsort(table[:, 0].astype(np.int64) * max(self._now.size if self._frame else 1, 1) + table[:, 3], kind="stable")
         first, last, size, where = table[order].astype(np.int64).T
-        cut = (first == 0) | (last == self._frame - 1)
         return Events(
             first=first,
             duration=last - first + 1,
@@ -342,7 +341,7 @@ class EventTracker:
             peak=peak[order],
             row=where // columns,
             column=where % columns,
-            cut=cut,
+            cut=(first == 0) | (last == self._frame - 1),
             frames=self._frame,
             pixels=self._pixels,
             threshold=self.threshold,

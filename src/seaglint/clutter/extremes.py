@@ -124,15 +124,13 @@ def fit_pareto(excess: ArrayLike, number: ArrayLike | None = None) -> ParetoFit:
     if profile(theta) < values[best]:
         theta = float(grid[best])
     xi = 0.0 if abs(theta) < 1e-8 else float(share @ np.log1p(theta * y))
-    scale = 1.0 if xi == 0.0 else xi / theta
-    return ParetoFit(xi, scale * mean, total * (profile(theta) - math.log(mean)))
+    return ParetoFit(xi, (1.0 if xi == 0.0 else xi / theta) * mean, total * (profile(theta) - math.log(mean)))
 
 
 def _anderson_darling(excess: FloatArray, fit: ParetoFit) -> float:
     u = np.clip(1.0 - fit.survival(np.sort(excess)), 1e-12, 1 - 1e-12)
     n = u.size
-    k = np.arange(1, n + 1)
-    return float(-n - ((2 * k - 1) * (np.log(u) + np.log1p(-u[::-1]))).sum() / n)
+    return float(-n - ((2 * np.arange(1, n + 1) - 1) * (np.log(u) + np.log1p(-u[::-1]))).sum() / n)
 
 
 def _draw(fit: ParetoFit, n: int, generator: np.random.Generator) -> FloatArray:
@@ -249,8 +247,7 @@ def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFi
         size = min(number, _TEST_SIZE)
         ranks = (np.arange(number) + 0.5) / number
         cumulated = np.concatenate([[0.0], n.cumsum() / n.sum()])
-        edges = np.concatenate([[excess[0] - BIN / 2], excess + BIN / 2])
-        distance = _anderson_darling(np.interp(ranks, cumulated, edges), fit)
+        distance = _anderson_darling(np.interp(ranks, cumulated, np.concatenate([[excess[0] - BIN / 2], excess + BIN / 2])), fit)
         drawn = [_draw(fit, size, generator) for _ in range(99)]
         if distance > _HOPELESS and fit.shape < _HEAVY:
             continue

@@ -316,5 +316,4 @@ class FalseAlarms:
         last = int(filled[-1]) + 2 if filled.size else 0
         # From the second bin on: the first also holds what lies below it.
         exceedances = np.append(self.histogram[::-1].cumsum()[::-1], 0)[1:last]
-        threshold = np.asarray(LOWEST + BIN * np.arange(1, last), np.float64)
-        return RateCurve(threshold, exceedances, self.pixels)
+        return RateCurve(np.asarray(LOWEST + BIN * np.arange(1, last), np.float64), exceedances, self.pixels)

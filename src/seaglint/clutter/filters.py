@@ -7,6 +7,7 @@ The gain of a filter is free: false alarms are counted in standard deviations of
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Protocol, runtime_checkable
 
@@ -107,8 +108,7 @@ def _rounded(out: NDArray[np.float64], source: NDArray[np.floating]) -> Frames:
     """Return single precision values, with the rounding residue of a constant set to 0, so that it has no sigma."""
     finite = source[np.isfinite(source)]
     # A constant filtered in double precision leaves some 1e-16 of its level.
-    level = 1e-12 * float(np.abs(finite).max()) if finite.size else 0.0
-    return np.where(np.abs(out) <= level, 0.0, out).astype(np.float32)
+    return np.where(np.abs(out) <= (1e-12 * float(np.abs(finite).max()) if finite.size else 0.0), 0.0, out).astype(np.float32)
 
 
 def _odd(size: int, what: str) -> int:
@@ -308,8 +308,7 @@ class MatchedFilter:
             values, vectors = np.linalg.eigh(matrix)
             inverse = 1.0 / np.maximum(values, 1e-6 * c[reach, reach])
             solved = (vectors * inverse) @ (vectors.T @ np.stack([flat, np.ones_like(flat)], 1))
-        level = solved[:, 0].sum() / solved[:, 1].sum()
-        h = solved[:, 0] - level * solved[:, 1]
+        h = solved[:, 0] - (solved[:, 0].sum() / solved[:, 1].sum()) * solved[:, 1]
         return np.asarray((h / (flat @ h)).reshape(s.shape))
 
     @property
@@ -352,8 +351,7 @@ def autocovariance(frames: ArrayLike, reach: int) -> NDArray[np.float64]:
     from scipy.fft import irfft2, next_fast_len, rfft2
 
     valid = np.isfinite(source)
-    number = np.maximum(valid.sum((1, 2), keepdims=True), 1)
-    mean = np.where(valid, source, 0.0).sum((1, 2), keepdims=True) / number
+    mean = np.where(valid, source, 0.0).sum((1, 2), keepdims=True) / np.maximum(valid.sum((1, 2), keepdims=True), 1)
     size = (next_fast_len(rows + reach, True), next_fast_len(columns + reach, True))
     products, pairs = np.zeros(size), np.zeros(size)
     for values, exists in zip(np.where(valid, source - mean, 0.0), valid.astype(np.float64), strict=True):
@@ -379,6 +377,12 @@ class Unfiltered:
         return as_frames(frames)
 
 
+_BY_NAME: Final[Mapping[str, Callable[[], Filter]]] = {
+    "laplacian": Laplacian, "difference_of_gaussians": DifferenceOfGaussians, "dog": DifferenceOfGaussians,
+    "median_subtraction": MedianSubtraction, "median": MedianSubtraction, "top_hat": TopHat, "tophat": TopHat, "none": Unfiltered,
+}  # fmt: skip
+
+
 def named(name: str) -> Filter:
     """Filter of a name with its default settings (:data:`NAMES`; ``-`` and ``_`` are equal, ``dog`` is short for the second).
 
@@ -392,15 +396,7 @@ def named(name: str) -> Filter:
     >>> named("top-hat").name
     'top_hat'
     """
-    match name.strip().lower().replace("-", "_"):
-        case "laplacian":
-            return Laplacian()
-        case "difference_of_gaussians" | "dog":
-            return DifferenceOfGaussians()
-        case "median_subtraction" | "median":
-            return MedianSubtraction()
-        case "top_hat" | "tophat":
-            return TopHat()
-        case "none":
-            return Unfiltered()
+    made = _BY_NAME.get(name.strip().lower().replace("-", "_"))
+    if made is not None:
+        return made()
     raise DataError(f"filter {name!r} is unknown; choose one of {', '.join(NAMES)}, or give a kernel or a signature of your own")

@@ -317,8 +317,7 @@ def _standard_errors(
 
     score = scores(family, x, theta)
     if label is None:
-        information = (w * score) @ score.T / w.sum()
-        return np.sqrt(np.diag(np.linalg.inv(information)) / independent), 1.959964
+        return np.sqrt(np.diag(np.linalg.inv((w * score) @ score.T / w.sum())) / independent), 1.959964
     group, place = np.unique(label, return_inverse=True)
     if len(group) < 10:
         raise DataError(f"{len(group)} blocks are too few for intervals; make 10 or more, or give effective_count")
@@ -453,8 +452,7 @@ def distances(probability: FloatArray, weights: FloatArray | None = None) -> tup
     """
     n = probability.shape[-1]
     inside = np.clip(probability, 1e-12, 1.0 - 1e-12)
-    share = np.full(n, 1.0 / n) if weights is None else weights / weights.sum()
-    above = np.minimum(np.cumsum(share), 1.0)
+    above = np.minimum(np.cumsum(np.full(n, 1.0 / n) if weights is None else weights / weights.sum()), 1.0)
     below = np.concatenate([[0.0], above[:-1]])
     ks = np.maximum(np.max(above - probability, axis=-1), np.max(probability - below, axis=-1))
     # Weighted form of the sum: (2i-1)/n^2 is above^2 - below^2, and the same from the other end.

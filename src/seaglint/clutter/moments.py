@@ -67,8 +67,7 @@ class Moments:
         data = np.asarray(values).ravel()
         if data.dtype not in (np.float32, np.float64):
             data = data.astype(np.float64)
-        maps = PixelMoments.of(data.reshape(-1, 1, 1))
-        return maps.region()
+        return PixelMoments.of(data.reshape(-1, 1, 1)).region()
 
     def __add__(self, other: Moments) -> Moments:
         """Moments of both sets together."""

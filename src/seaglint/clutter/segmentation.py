@@ -64,8 +64,7 @@ class Segmentation:
     def as_dict(self) -> JsonObject:
         """Return the decision with its criteria as plain numbers and text; pixels of sky are counted."""
         values = {name: getattr(self, name) for name in ("found", "method", "separability", "contrast", "border_step")}
-        texts = {"reason": self.reason or None, "doubt": self.doubt or None}
-        return plain(values | texts | {"sky_pixels": int(self.sky.sum())})
+        return plain(values | {"reason": self.reason or None, "doubt": self.doubt or None} | {"sky_pixels": int(self.sky.sum())})
 
 
 def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
@@ -182,8 +181,7 @@ def _smoothed(image: FloatArray, valid: BoolArray, sigma: float) -> FloatArray:
 
     weight = gaussian_filter(valid.astype(np.float64), sigma, mode="nearest")
     total = gaussian_filter(np.where(valid, image, 0.0), sigma, mode="nearest")
-    level = float(np.mean(image[valid]))
-    return np.where(weight > 1e-6, total / np.maximum(weight, 1e-6), level)
+    return np.where(weight > 1e-6, total / np.maximum(weight, 1e-6), float(np.mean(image[valid])))
 
 
 def _convex_below(profile: FloatArray) -> FloatArray:
@@ -244,15 +242,13 @@ def _corridor(image: FloatArray, deviation: FloatArray | None, valid: BoolArray)
     label, count = ndimage.label(score > threshold)
     if count == 0:
         return np.zeros(image.shape, dtype=bool), separability, 0.0, 1.0, 0.0
-    largest = 1 + int(np.argmax(np.bincount(label.ravel())[1:]))
-    corridor = np.asarray(ndimage.binary_fill_holes(label == largest), dtype=bool)
+    corridor = np.asarray(ndimage.binary_fill_holes(label == (1 + int(np.argmax(np.bincount(label.ravel())[1:])))), dtype=bool)
     inside, outside = corridor & valid, ~corridor & valid
     if not inside.any() or not outside.any():
         return corridor, separability, 0.0, 1.0, 1.0
     base = image - (_smoothed(image, valid, sigma) - excess[0])
     noise = float(base[outside].std())
-    step = float(base[inside].mean() - base[outside].mean())
-    contrast = step / noise if noise > 0.0 else np.inf
+    contrast = float(base[inside].mean() - base[outside].mean()) / noise if noise > 0.0 else np.inf
     if deviation is None:
         fine = np.where(valid, image, 0.0) - np.where(valid, _smoothed(image, valid, 3.0), 0.0)
     else:
@@ -260,8 +256,7 @@ def _corridor(image: FloatArray, deviation: FloatArray | None, valid: BoolArray)
     low = float(np.sqrt(np.mean(fine[outside] ** 2)))
     texture = float(np.sqrt(np.mean(fine[inside] ** 2))) / low if low > 0.0 else np.inf
     rows = np.flatnonzero(corridor.any(axis=1))
-    spanning = float(np.mean(corridor[rows, 0] & corridor[rows, -1]))
-    return corridor, separability, contrast, texture, spanning
+    return corridor, separability, contrast, texture, float(np.mean(corridor[rows, 0] & corridor[rows, -1]))
 
 
 def _envelope_length(image: FloatArray) -> float:

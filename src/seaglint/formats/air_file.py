@@ -278,8 +278,7 @@ def read_atmosphere(path: str | Path, sensor_height: float) -> SampledAtmosphere
         Naming the file and the line, column or variable that cannot be used.
     """
     path = Path(path)
-    content = _from_netcdf(path) if path.suffix.lower() in NETCDF_ENDINGS else _from_csv(path)
-    return _assembled(path, content, sensor_height)
+    return _assembled(path, _from_netcdf(path) if path.suffix.lower() in NETCDF_ENDINGS else _from_csv(path), sensor_height)
 
 
 def require_kind(output: Path) -> None:
@@ -449,8 +448,7 @@ def _of_dataset(path: Path, dataset: Any) -> _Content:
         nodes = _coordinate(path, dataset, dimension, low, high)
         values = {}
         for name, (variable, most) in variables.items():
-            spectra = _field(path, dataset, variable, (dimension, "wavenumber_cm"), most)
-            values[name] = spectra[np.ix_(np.argsort(nodes), np.argsort(grid))]
+            values[name] = _field(path, dataset, variable, (dimension, "wavenumber_cm"), most)[np.ix_(np.argsort(nodes), np.argsort(grid))]
         return _Spectra(np.sort(nodes), np.sort(grid), values)
 
     blocks = {

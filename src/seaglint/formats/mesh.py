@@ -83,8 +83,7 @@ def _property(mesh: Any, name: str, size: int) -> FloatArray | None:
     raw = mesh.metadata.get("_ply_raw", {}).get("vertex", {}).get("data")
     if raw is None:
         return None
-    names = raw.dtype.names if isinstance(raw, np.ndarray) else raw.keys()
-    if name not in (names or ()):
+    if name not in ((raw.dtype.names if isinstance(raw, np.ndarray) else raw.keys()) or ()):
         return None
     values = np.asarray(raw[name], np.float64).reshape(-1)
     return values if values.size == size else None

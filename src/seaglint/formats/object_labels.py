@@ -65,8 +65,7 @@ class Labels:
         if GROUP not in root:
             raise DataError(f"{path}: holds no objects; labels are of sequences whose scenario has [[objects]]: add some and render again")
         group = root[GROUP]
-        names = tuple(str(name) for name in group.attrs["objects"])
-        return cls(path, names, frames, tuple(group["object_id"].shape[1:]), group)
+        return cls(path, tuple(str(name) for name in group.attrs["objects"]), frames, tuple(group["object_id"].shape[1:]), group)
 
     def never_seen(self) -> list[str]:
         """Return a text for each object that no frame shows: name, reason, and place in the first frame."""
@@ -93,8 +92,7 @@ class Labels:
             # sequences of earlier versions lack some numbers
             unknown = np.full(len(self.names), np.nan)
             numbers = {name: self._group[name][index] if name in self._group else unknown for name in NUMBERS}
-            masks = unpacked(self._group["object_mask"][index], len(self.names))
-            for n, (name, mask) in enumerate(zip(self.names, masks, strict=True)):
+            for n, (name, mask) in enumerate(zip(self.names, unpacked(self._group["object_mask"][index], len(self.names)), strict=True)):
                 yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, mask)
 
 
@@ -132,8 +130,7 @@ def label_dataset(labels: Labels) -> xr.Dataset:
 def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
     """Return the lengths of runs of a mask, column by column from its upper left corner, the first outside it (COCO's counts)."""
     flat = mask.T.ravel()  # column by column, as COCO counts
-    edges = np.flatnonzero(np.diff(flat)) + 1
-    runs = np.diff(np.concatenate([[0], edges, [flat.size]])).tolist()
+    runs = np.diff(np.concatenate([[0], np.flatnonzero(np.diff(flat)) + 1, [flat.size]])).tolist()
     return [0, *runs] if flat.size and flat[0] else runs
 
 
@@ -152,7 +149,10 @@ def write_labels(labels: Labels, output: str | Path, *, overwrite: bool = False)
     if output.suffix.lower() != ".csv":
         write_json(_coco(labels), output, indent=None)
         return output
-    cells = ((label.frame, label.name, *(_cell(label.values[name]) for name in NUMBERS)) for label in labels)
+    cells = (
+        (label.frame, label.name, *("" if math.isnan(value) else f"{value:.9g}" for value in map(label.values.__getitem__, NUMBERS)))
+        for label in labels
+    )
     write_text(csv_text([("frame", "object", *NUMBERS), *cells]), output)
     return output
 
@@ -165,10 +165,6 @@ def require_labels_name(output: str | Path) -> Path:
     return output
 
 
-def _cell(value: float) -> str:
-    return "" if math.isnan(value) else f"{value:.9g}"
-
-
 def _coco(labels: Labels) -> JsonObject:
     """Return COCO's dictionary: an image for each frame, a category for each name, an annotation for each object in view.
 
@@ -177,25 +173,20 @@ def _coco(labels: Labels) -> JsonObject:
     rows, columns = labels.shape
     # COCO counts categories from 1.
     categories = {name: number for number, name in enumerate(dict.fromkeys(labels.names), 1)}
-    annotations: list[JsonObject] = []
-    for label in labels:
-        values = label.values
-        if not label.mask.any():
-            continue
-        box = [values[f"bbox_{side}_px"] for side in ("left", "top", "width", "height")]
-        annotations.append(
-            {
-                "id": len(annotations) + 1,
-                "image_id": label.frame,
-                "category_id": categories[label.name],
-                "track_id": label.number,
-                "bbox": box,
-                "area": int(label.mask.sum()),
-                "iscrowd": 0,
-                "segmentation": {"size": [rows, columns], "counts": run_lengths(label.mask)},
-                "attributes": {name: None if math.isnan(values[name]) else values[name] for name in NUMBERS},
-            }
-        )
+    annotations = [
+        {
+            "id": number,
+            "image_id": label.frame,
+            "category_id": categories[label.name],
+            "track_id": label.number,
+            "bbox": [label.values[f"bbox_{side}_px"] for side in ("left", "top", "width", "height")],
+            "area": int(label.mask.sum()),
+            "iscrowd": 0,
+            "segmentation": {"size": [rows, columns], "counts": run_lengths(label.mask)},
+            "attributes": {name: None if math.isnan(label.values[name]) else label.values[name] for name in NUMBERS},
+        }
+        for number, label in enumerate((label for label in labels if label.mask.any()), 1)
+    ]
     return {
         "info": {"description": f"Objects of {labels.path.name}", "version": "1"},
         "images": [{"id": n, "width": columns, "height": rows} for n in labels.frames],

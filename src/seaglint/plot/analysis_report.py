@@ -48,8 +48,7 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
         No room or no rights; nothing is left behind.
     """
     output = refuse_existing(path, overwrite=overwrite)
-    text = report(analysis, progress)
-    write_text(text, output)
+    write_text(report(analysis, progress), output)
     return output
 
 
@@ -151,8 +150,7 @@ def _events(analysis: Analysis) -> str:
     keys = "threshold_sigma", "events", "events_per_frame", "event_duration_s"
     rows = [[name, alarm["filter"], *(number(alarm[key]) for key in keys)] for name, alarm in _alarms(analysis)]
     head = ["region", "filter or detector", "threshold [σ]", "events", "events per frame", "mean duration [s]"]
-    text = "<p>An event is a set of exceeding pixels that touch in a frame or from one frame to the next.</p>"
-    return text + table(head, rows)
+    return "<p>An event is a set of exceeding pixels that touch in a frame or from one frame to the next.</p>" + table(head, rows)
 
 
 def _tails(analysis: Analysis) -> str:
@@ -165,8 +163,7 @@ def _tails(analysis: Analysis) -> str:
             rows.append([name, alarm["filter"], *[ABSENT] * 8, tail["reason"]])
             continue
         row = [name, alarm["filter"], *(number(tail[key]) for key in ("from_sigma", "events", "shape")), interval(tail["shape_interval"])]
-        keys = ("scale_sigma", "goodness_p", "trusted_to_sigma", "trusted_to_rate")
-        rows.append([*row, *(number(tail[key]) for key in keys), ""])
+        rows.append([*row, *(number(tail[key]) for key in ("scale_sigma", "goodness_p", "trusted_to_sigma", "trusted_to_rate")), ""])
     head = ["region", "filter or detector", "from [σ]", "events", "shape ξ", "95 % interval", "scale β [σ]", "goodness p"]
     head += ["trusted to [σ]", "trusted to rate", "remarks"]
     text = (

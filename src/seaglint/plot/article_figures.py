@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression
-from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
+from seaglint.base.schema import VARIABLES
 from seaglint.formats.object_labels import Label
 from seaglint.plot.figures_and_pages import new_figure, save_figure
-from seaglint.plot.scale import number_decades, scale_of
+from seaglint.plot.scale import add_article_units, number_decades, scale_of
 from seaglint.store.provenance import stored_band
 from seaglint.store.stored_images import directions, to_temperature
 
@@ -88,20 +88,6 @@ def _settings(dataset: xr.Dataset, *more: str) -> str:
     return " · ".join([f"{low:g}–{high:g} µm", f"sensor {dataset.attrs['sensor_height_m']:g} m", sea, *more, dataset.attrs["atmosphere"]])
 
 
-def _both_units(axes: Axes) -> None:
-    """Add an axis in the article's unit on the right-hand side."""
-
-    def article(radiance: Any) -> Any:
-        return ARTICLE_RADIANCE_PER_SI * radiance
-
-    def back(radiance: Any) -> Any:
-        return radiance / ARTICLE_RADIANCE_PER_SI
-
-    right = axes.secondary_yaxis("right", functions=(article, back))
-    right.set_ylabel(ARTICLE_RADIANCE_SYMBOL, fontsize=8)
-    right.tick_params(labelsize=7)
-
-
 def draw_figure_2(dataset: xr.Dataset) -> Figure:
     """Draw path and boundary properties against slant range, sunlight and sky against zenith angle; a line for each wind."""
     from matplotlib import colormaps
@@ -142,7 +128,7 @@ def draw_figure_2(dataset: xr.Dataset) -> Figure:
     temperature, radiance = dataset.attrs["blackbody_temperature_k"], dataset.attrs["blackbody_radiance_W_m2_sr"]
     for axes in (b, c, e):
         axes.axhline(radiance, color="0.4", linestyle="--", linewidth=1.0, label=f"blackbody of {temperature:g} K")
-        _both_units(axes)
+        add_article_units(axes, "right")
     last.axis("off")
     lines, names = b.get_legend_handles_labels()
     lines.append(a.plot([], [], color="0.3", linestyle=":", linewidth=2.0)[0])
@@ -181,8 +167,7 @@ def draw_figure_3(dataset: xr.Dataset) -> Figure:
         bright = upper.pcolormesh(sensor, rows, np.maximum(glint, dimmest), norm=log, cmap="inferno", shading="gouraud")
         warm = lower.pcolormesh(sensor, rows, apparent, vmin=290.0, vmax=hottest, cmap="inferno", shading="gouraud")
         # Labels find no good place on finer lines: they go to the crowded edge at the horizon.
-        bright_lines = upper.contour(sensor, rows[::4], glint[::4], levels=_ROUND, colors="w", linewidths=0.6)
-        upper.clabel(bright_lines, fontsize=7, fmt="%g")
+        upper.clabel(upper.contour(sensor, rows[::4], glint[::4], levels=_ROUND, colors="w", linewidths=0.6), fontsize=7, fmt="%g")
         drawn = lower.contour(sensor, rows[::4], apparent[::4], levels=levels, colors="w", linewidths=0.6)
         shown = [level for level in levels if level in (300.0, 320.0, 340.0, 360.0, 400.0, 460.0, 520.0)]
         lower.clabel(drawn, levels=shown, fontsize=7, fmt="%g")
@@ -226,8 +211,7 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
         for (i, j), axes in np.ndenumerate(panels):
             floored = np.maximum(values[i, j], lowest)
             image = axes.imshow(floored, norm=scale, cmap="inferno", extent=extent, origin="upper", aspect="equal", interpolation="nearest")
-            lines = values[i, j].max() * np.array(_SHARES)
-            axes.contour(azimuth, elevation, values[i, j], levels=lines, colors="c", linewidths=0.7)
+            axes.contour(azimuth, elevation, values[i, j], levels=values[i, j].max() * np.array(_SHARES), colors="c", linewidths=0.7)
             axes.tick_params(labelsize=8)
             if i == 0:
                 axes.set_title("wind from the Sun" if directions[j] == 0.0 else f"{directions[j]:g}° right of the Sun", fontsize=9)

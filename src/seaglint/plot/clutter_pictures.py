@@ -352,8 +352,7 @@ def histogram_edges(values: NDArray[Any]) -> FloatArray:
         # 1e-9 keeps a width that is a whole number but for rounding.
         step = float(max(math.ceil(width - 1e-9), 1))
         return np.arange(low - 0.5, high + 0.5 + step, step)
-    number = min(max(math.ceil((high - low) / width), 1), _MOST_BINS)
-    return np.linspace(low, high, number + 1)
+    return np.linspace(low, high, min(max(math.ceil((high - low) / width), 1), _MOST_BINS) + 1)
 
 
 def _level(p: float, replicates: int) -> str:
@@ -389,8 +388,7 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
         axes.plot(threshold, rate, color=line_colour, linewidth=1.5 if number == 0 else 1.0, label=f"{name}, measured")
         _counted(axes, alarms, line_colour, label=number == 0)
         pixels = max(pixels, alarms.pixels)
-        reached = float(threshold[-1]) if threshold.size else 0.0
-        furthest = max(furthest, reached)
+        furthest = max(furthest, float(threshold[-1]) if threshold.size else 0.0)
         if number == 0:
             tail, reason = region.tail(name)
             if tail is None:
@@ -401,14 +399,8 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
     m = np.linspace(0.0, furthest, 400)
     axes.plot(m, np.maximum(gaussian_rate(m), 1e-300), color="0.3", linestyle="--", linewidth=1.0, label="Gaussian tail")
     axes.axhline(1.0 / pixels, color="0.3", linestyle=":", linewidth=0.9)
-    axes.text(
-        0.01,
-        1.0 / pixels,
-        f"one in {pixels:,} pixels".replace(",", "\u202f"),
-        fontsize=7,
-        va="bottom",
-        transform=axes.get_yaxis_transform(),
-    )
+    level = f"one in {pixels:,} pixels".replace(",", "\u202f")
+    axes.text(0.01, 1.0 / pixels, level, fontsize=7, va="bottom", transform=axes.get_yaxis_transform())
     axes.set_yscale("log", subs=[])
     # Two decades below one alarm in all pixels leave room for the extrapolated tail.
     axes.set(xlim=(0.0, furthest), ylim=(0.01 / pixels, 1.0), xlabel="threshold [standard deviations σ]")

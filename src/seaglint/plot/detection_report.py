@@ -69,8 +69,7 @@ def draw_map(alarms: FalseAlarmMap) -> Figure:
     if not grid:
         axes.invert_yaxis()
     axes.set(xlabel="azimuth [deg]" if grid else "column [px]", ylabel="elevation [deg]" if grid else "row [px]")
-    bar = figure.colorbar(drawn, ax=axes)
-    bar.set_label("P_fa per pixel and frame")
+    figure.colorbar(drawn, ax=axes).set_label("P_fa per pixel and frame")
     return figure
 
 
@@ -81,8 +80,7 @@ def draw_chips(chips: Chips, threshold_sigma: float) -> Figure | None:
         return None
     columns = max(len(items) for _, items in lines)
     figure = new_figure(1.6 * columns, 1.95 * len(lines))
-    axes = figure.subplots(len(lines), columns, squeeze=False)
-    for (name, items), row in zip(lines, axes, strict=True):
+    for (name, items), row in zip(lines, figure.subplots(len(lines), columns, squeeze=False), strict=True):
         for k, one in enumerate(row):
             one.set(xticks=[], yticks=[])
             if k >= len(items):
@@ -179,11 +177,11 @@ def study_report(title: str, cases: Sequence[DetectionCase], stopped: str | None
         section(f"Against {key}", figure(png(draw_sweep(rows, key)), key, "Bands: intervals of P_d."))
         for key, rows in _varied_numbers(good)
     ]
-    for case in good:
-        body.append(_case(case))
+    body += [_case(case) for case in good]
     results = [None if case.judged is None else case.judged.result for case in cases]
-    numbers = [{"parameters": case.parameters, "result": got, "error": case.error} for case, got in zip(cases, results, strict=True)]
-    body.append(all_numbers(numbers))
+    body.append(
+        all_numbers([{"parameters": case.parameters, "result": got, "error": case.error} for case, got in zip(cases, results, strict=True)])
+    )
     return page(title, body)
 
 
@@ -203,30 +201,28 @@ def _summary(good: Sequence[DetectionCase]) -> str:
         result = case.done.result
         design = result.get("design") or {}
         for row in case.done.rows:
-            lines.append(
-                [
-                    _named(case),
-                    result["detector"],
-                    number(row["contrast"]),
-                    _unit(result),
-                    number(row["p_d"]),
-                    interval([row["p_d_low"], row["p_d_high"]]),
-                    number(row["p_fa"]),
-                    interval([row["p_fa_low"], row["p_fa_high"]]),
-                    number(design.get("contrast")),
-                    number(design.get("loss_db")),
-                    number(result.get("seas")),
-                    result.get("stopped") or "",
-                ]
-            )
+            line = [
+                _named(case),
+                result["detector"],
+                number(row["contrast"]),
+                _unit(result),
+                number(row["p_d"]),
+                interval([row["p_d_low"], row["p_d_high"]]),
+                number(row["p_fa"]),
+                interval([row["p_fa_low"], row["p_fa_high"]]),
+                number(design.get("contrast")),
+                number(design.get("loss_db")),
+                number(result.get("seas")),
+                result.get("stopped") or "",
+            ]
+            lines.append(line)
     return table(head, lines, words=(0,))
 
 
 def _varied_numbers(good: Sequence[DetectionCase]) -> list[tuple[str, list[TableRow]]]:
     """Return the varied numbers, with rows named by the other varied keys."""
-    keys = list(dict.fromkeys(key for case in good for key in case.parameters))
     out = []
-    for key in keys:
+    for key in dict.fromkeys(key for case in good for key in case.parameters):
         values = [case.parameters.get(key) for case in good]
         if len({str(v) for v in values}) < 2 or not all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
             continue

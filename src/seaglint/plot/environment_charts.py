@@ -279,8 +279,7 @@ def write_fig5(columns: dict[str, FloatArray], output: Path) -> None:
                     averaged = columns["probability_averaged"][at]
                     axes.plot(columns["azimuth_deg"][at], averaged, style, color=line.get_color(), marker=".", lw=0.8)
             axes.set(ylim=(0.0, None), title=f"({'ab'[panel]}) above {threshold:g} W m⁻² sr⁻¹")
-            within = "within this of the Sun [deg]: any (lines), one look (points)"
-            axes.set_xlabel("azimuth from the Sun [deg]" if panel == 0 else within)
+            axes.set_xlabel("azimuth from the Sun [deg]" if panel == 0 else "within this of the Sun [deg]: any (lines), one look (points)")
             axes.set_ylabel("probability [1]")
     grid[0][0].legend()
     save_figure(figure, output, _DPI)

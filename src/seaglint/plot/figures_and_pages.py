@@ -144,8 +144,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[in
 
 def bullets(texts: Iterable[str], kind: str = "") -> str:
     """Return sentences as a list; ``kind`` is its style."""
-    opening = f'<ul class="{kind}">' if kind else "<ul>"
-    return opening + "".join(f"<li>{escape(text)}</li>" for text in texts) + "</ul>"
+    return (f'<ul class="{kind}">' if kind else "<ul>") + "".join(f"<li>{escape(text)}</li>" for text in texts) + "</ul>"
 
 
 def notes(texts: Sequence[str], none: str = "") -> str:

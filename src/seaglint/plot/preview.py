@@ -18,7 +18,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.representation import rounded
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 from seaglint.plot.figures_and_pages import beyond, new_figure, save_figure
-from seaglint.plot.scale import Kind, round_ticks, scale_of
+from seaglint.plot.scale import Kind, add_article_units, round_ticks, scale_of
 from seaglint.store.provenance import stored_band
 from seaglint.store.stored_images import below_horizon, directions, images, pictures, to_temperature
 
@@ -62,8 +62,7 @@ def draw_graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> No
     for values, unit in ((elevation, "°"), (azimuth, "° az")):
         if np.ptp(values) == 0.0 or (values is azimuth and around):
             continue
-        levels = MaxNLocator(6).tick_values(float(values.min()), float(values.max()))
-        lines = axes.contour(values, levels=levels, **_LINES)
+        lines = axes.contour(values, levels=MaxNLocator(6).tick_values(float(values.min()), float(values.max())), **_LINES)
         if not around:
             for text in axes.clabel(lines, fmt=lambda value, unit=unit: f"{value:g}{unit}", fontsize=8):
                 _outline(text)
@@ -222,9 +221,7 @@ def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
         thermal.minorticks_off()
     else:
         bar.set_label(symbol, fontsize=8)
-        second = bar.ax.secondary_yaxis("left", functions=(lambda v: ARTICLE_RADIANCE_PER_SI * v, lambda v: v / ARTICLE_RADIANCE_PER_SI))
-        second.set_ylabel(ARTICLE_RADIANCE_SYMBOL, fontsize=8)
-        second.tick_params(labelsize=7)
+        add_article_units(bar.ax, "left")
     for drawn in (bar, thermal):
         drawn.ax.tick_params(labelsize=7)
 
@@ -280,8 +277,7 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
     figure = new_figure(*((9.0, 9.0) if wide else (12.0, 6.0)))
     upper, lower = figure.subplots(2, 1) if wide else figure.subplots(1, 2)
     bar = _panel(figure, upper, radiance, extent, "radiance", "inferno", bright)
-    thermal = _panel(figure, lower, temperature, extent, "apparent_temperature", "gray", warm)
-    _bars(bar, thermal, chosen, warm)
+    _bars(bar, _panel(figure, lower, temperature, extent, "apparent_temperature", "gray", warm), chosen, warm)
     if not upright:
         for axes in (upper, lower):
             draw_graticule(axes, azimuth, elevation)

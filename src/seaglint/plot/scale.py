@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from seaglint.base.brightness import Scale, scale_limits
 from seaglint.base.conventions import FloatArray
 from seaglint.base.representation import rounded
+from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.colorbar import Colorbar
 
 Kind = Literal["auto", "linear", "log"]
@@ -166,6 +168,20 @@ def round_ticks(share: Callable[[FloatArray], FloatArray], value: Callable[[Floa
             third = (end - begin) / 3.0
             ticks.append(_roundest(*value(np.array([begin + third, end - third])).tolist()))
     return np.array(sorted(ticks))
+
+
+def add_article_units(axes: Axes, side: Literal["left", "right"]) -> None:
+    """Add an axis at a side that has the radiances of the other one in the unit of the source article."""
+
+    def article(radiance: Any) -> Any:
+        return ARTICLE_RADIANCE_PER_SI * radiance
+
+    def back(radiance: Any) -> Any:
+        return radiance / ARTICLE_RADIANCE_PER_SI
+
+    second = axes.secondary_yaxis(side, functions=(article, back))
+    second.set_ylabel(ARTICLE_RADIANCE_SYMBOL, fontsize=8)
+    second.tick_params(labelsize=7)
 
 
 def number_decades(bar: Colorbar) -> None:

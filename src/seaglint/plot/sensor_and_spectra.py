@@ -66,8 +66,7 @@ def write_beside(spectra: Sequence[SpectraBeside], output: Path) -> Path:
 def draw_beside(spectra: Sequence[SpectraBeside]) -> Figure:
     """Draw a row of two panels for each scene."""
     figure = new_figure(12.0, 0.6 + 2.6 * len(spectra))
-    panels = figure.subplots(len(spectra), 2, squeeze=False, width_ratios=(1.5, 1.0))
-    for (left, right), scene in zip(panels, spectra, strict=True):
+    for (left, right), scene in zip(figure.subplots(len(spectra), 2, squeeze=False, width_ratios=(1.5, 1.0)), spectra, strict=True):
         micrometres = 1e4 / scene.wavenumber_cm
         left.plot(*_parted(scene.wavenumber_cm, micrometres, scene.measured), color="k", linewidth=1.6, label=scene.reference)
         for colour, (name, ours) in zip(COLOURS, scene.ours.items(), strict=False):

@@ -141,12 +141,11 @@ def _measures(distances: TextureDistances) -> str:
 
 
 def _methods() -> str:
-    texts = (
+    return bullets((
         "The filter is the Laplacian of five points; thresholds are in standard deviations of each filtered frame; the border is left out.",
         "Spectra are of Hann windowed squares, in units of each texture's variance; two samples of one texture differ by about 1 dB.",
         "Correlations in space are to 12 px, in time to 25 frames. Co-occurrence: 16 common levels, four neighbours (Haralick 1973).",
-    )
-    return bullets(texts)
+    ))  # fmt: skip
 
 
 def write_comparison(
@@ -183,6 +182,5 @@ def write_comparison(
         No room or no rights.
     """
     output = refuse_existing(path, overwrite=overwrite)
-    text = comparison_report(comparison, first, second, gaussian, about)
-    write_text(text, output)
+    write_text(comparison_report(comparison, first, second, gaussian, about), output)
     return output

@@ -105,8 +105,7 @@ def grey(image: NDArray[np.floating], low: float, high: float) -> NDArray[np.uin
     grow = max(1, _SHOWN_WIDTH // max(scaled.shape))
     enlarged = np.repeat(np.repeat(scaled, grow, axis=0), grow, axis=1)
     # H.264 with halved colour resolution takes even sides only.
-    even = np.pad(enlarged, [(0, size % 2) for size in enlarged.shape], mode="edge")
-    return eight_bit(even)
+    return eight_bit(np.pad(enlarged, [(0, size % 2) for size in enlarged.shape], mode="edge"))
 
 
 def captioned(picture: NDArray[np.uint8], scale: Scale, ends: str, time: float | None) -> NDArray[np.uint8]:
@@ -125,8 +124,7 @@ def captioned(picture: NDArray[np.uint8], scale: Scale, ends: str, time: float |
     strip.paste(Image.fromarray(np.repeat(ramp[np.newaxis], 16, axis=0)), (left, 7))
     pen.rectangle((left - 1, 6, right, 23), outline=128)
     pen.text((8, 32), ends + (", logarithmic" if scale.logarithmic else ""), fill=255, font=font)
-    widened = np.pad(picture, [(0, 0), (0, width - picture.shape[1])])
-    return np.concatenate([widened, np.asarray(strip, dtype=np.uint8)])
+    return np.concatenate([np.pad(picture, [(0, 0), (0, width - picture.shape[1])]), np.asarray(strip, dtype=np.uint8)])
 
 
 def write_video(

@@ -39,15 +39,13 @@ def make_arrays(store: Path | str, layout: Layout) -> None:
     unit = layout.frames_per_unit
 
     def shards(itemsize: int, size: tuple[int, ...]) -> dict[str, Any]:
-        whole = {"shards": (unit, *size)} if unit > 1 else {}
-        return {"chunks": (1, *size), "compressors": _compressor(itemsize), **whole}
+        return {"chunks": (1, *size), "compressors": _compressor(itemsize), **({"shards": (unit, *size)} if unit > 1 else {})}
 
     begun: Attributes = {"seaglint_format": FORMAT, UNFINISHED: {"made": False}}
     group: Any = zarr.open_group(store, mode="w-", zarr_format=3, attributes=begun)
     directions = () if layout.turning else ("azimuth", "elevation")
     dated = () if layout.start is None else ("utc",)
-    banded = () if layout.band is None else ("wavelength",)
-    coordinates = " ".join((*directions, "frame", *dated, *banded, *layout.poses))
+    coordinates = " ".join((*directions, "frame", *dated, *(() if layout.band is None else ("wavelength",)), *layout.poses))
     for name in layout.variables:
         dtype = np.dtype(VARIABLES[name].dtype)
         group.create_array(

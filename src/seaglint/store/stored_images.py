@@ -70,8 +70,7 @@ def radiance_of(dataset: xr.Dataset) -> xr.DataArray:
     scale, offset = count_line(images)
     from seaglint.base.schema import VARIABLES
 
-    radiance = (images.astype("float64") * scale + offset).rename("radiance")
-    return radiance.assign_attrs(VARIABLES["radiance"].attributes)
+    return (images.astype("float64") * scale + offset).rename("radiance").assign_attrs(VARIABLES["radiance"].attributes)
 
 
 def directions(dataset: xr.Dataset, frame: int = 0) -> tuple[FloatArray, FloatArray]:
@@ -162,8 +161,7 @@ class Summary:
         return (
             f"{self.frames} frame{'s' if self.frames != 1 else ''}, mean {rounded(self.mean, 4)} W m⁻² sr⁻¹ ({rounded(u * self.mean, 4)} "
             f"{ARTICLE_RADIANCE_SYMBOL}, {self.mean_apparent_temperature:.1f} K), peak {rounded(self.peak, 4)} "
-            f"({rounded(u * self.peak, 4)}, "
-            f"{self.peak_apparent_temperature:.1f} K), "
+            f"({rounded(u * self.peak, 4)}, {self.peak_apparent_temperature:.1f} K), "
             f"{100.0 * self.glint_fraction:.3g} % of the pixels over twice the water's blackbody radiance{bad}"
         )
 
@@ -186,8 +184,7 @@ def summarise(dataset: xr.Dataset) -> Summary:
     threshold = GLINT_FACTOR * float(band.radiance(sea_temperature(dataset), grid_of(band)))
     total, peak, glint, pixels, bad, frames = 0.0, 0.0, 0, 0, 0, 0
     for image in images(dataset):
-        finite = np.isfinite(image)
-        values = image[finite]
+        values = image[np.isfinite(image)]
         frames += 1
         bad += image.size - values.size
         pixels += values.size

@@ -62,12 +62,8 @@ def classes(order: int, isotropic: bool = True) -> Classes:
     [4, 8, 12, 20, 24]
     """
     if not 1 <= order <= MOST_ORDER:
-        raise DomainError(
-            f"order = {order}: allowed are 1 (the four nearest neighbours) to {MOST_ORDER}; 1 to 5 are usual",
-            name="order",
-            value=order,
-            allowed=(1, MOST_ORDER),
-        )
+        message = f"order = {order}: allowed are 1 (the four nearest neighbours) to {MOST_ORDER}; 1 to 5 are usual"
+        raise DomainError(message, name="order", value=order, allowed=(1, MOST_ORDER))
     far = order + 1  # the n-th distance is below n + 1
     half = [(dy, dx) for dy in range(far + 1) for dx in range(-far, far + 1) if (dy, dx) > (0, 0)]
     distances = sorted({dy * dy + dx * dx for dy, dx in half})[:order]
@@ -207,25 +203,19 @@ class Autobinomial:
 def check_levels(levels: int) -> None:
     """Refuse numbers of grey levels outside the allowed range."""
     if not 2 <= levels <= MOST_LEVELS:
-        raise DomainError(
-            f"levels = {levels}: allowed are 2 to {MOST_LEVELS} grey levels; quantise the picture first",
-            name="levels",
-            value=levels,
-            allowed=(2, MOST_LEVELS),
-        )
+        message = f"levels = {levels}: allowed are 2 to {MOST_LEVELS} grey levels; quantise the picture first"
+        raise DomainError(message, name="levels", value=levels, allowed=(2, MOST_LEVELS))
 
 
 def check_shape(shape: tuple[int, int], model: Autobinomial) -> None:
     """Refuse pictures in which a pixel would have the same neighbour twice."""
     rows, columns = (2 * far + 1 for far in model.reach)
     if len(shape) != 2 or shape[0] < rows or shape[1] < columns:
-        raise DomainError(
+        message = (
             f"shape = {' x '.join(map(str, shape))} pixels: neighbours reach {model.reach[0]} rows and {model.reach[1]} columns, "
-            f"so the field needs {rows} x {columns} pixels or more; take a larger picture or a lower order",
-            name="shape",
-            value=shape,
-            allowed=f"{rows} x {columns} or more",
+            f"so the field needs {rows} x {columns} pixels or more; take a larger picture or a lower order"
         )
+        raise DomainError(message, name="shape", value=shape, allowed=f"{rows} x {columns} or more")
 
 
 def checked_field(field: IntArray, model: Autobinomial) -> NDArray[np.int16]:
@@ -253,10 +243,8 @@ def checked_field(field: IntArray, model: Autobinomial) -> NDArray[np.int16]:
     check_shape(picture.shape, model)
     low, high = int(picture.min()), int(picture.max())
     if low < 0 or high > model.most:
-        raise DomainError(
-            f"grey levels {low} to {high}: the field has 0 to {model.most}; quantise the picture to {model.levels} levels or fit with more",
-            name="image",
-            value=(low, high),
-            allowed=(0, model.most),
+        message = (
+            f"grey levels {low} to {high}: the field has 0 to {model.most}; quantise the picture to {model.levels} levels or fit with more"
         )
+        raise DomainError(message, name="image", value=(low, high), allowed=(0, model.most))
     return np.array(picture, dtype=np.int16, order="C")

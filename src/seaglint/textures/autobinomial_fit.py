@@ -91,6 +91,7 @@ def maximum_likelihood(
     ----------
     C. J. Geyer and E. A. Thompson, "Constrained Monte Carlo maximum likelihood for dependent data", J. R. Stat. Soc. B 54 (1992), 657-699.
     """
+    # Without periods the pixels of the border are held: they serve as neighbours only.
     lattice = sampler.plan(first, field.shape, held_border=not (periodic or keep_histogram))
     purpose = "autobinomial-exchange-likelihood" if keep_histogram else "autobinomial-likelihood"
     chain = _Chain(field.copy(), lattice, sampler.words(seed, purpose), keep_histogram)
@@ -99,6 +100,7 @@ def maximum_likelihood(
         observed = field.size * inside_products(field, first.neighbours)
     model, fixed = first, first.parameters[: int(keep_histogram)]
     rounds, distance = 0, np.inf
+    # The slope of the mean field changes by the couplings times these numbers of pairs.
     pairs = np.array([len(one) for one in first.neighbours])
 
     def moved(by: FloatArray) -> Autobinomial:
@@ -116,6 +118,7 @@ def maximum_likelihood(
         turn = 0.5 * model.most * float(np.abs(step[-len(pairs) :]) @ pairs)
         model = moved(step * min(1.0, LONGEST_STEP / distance, LARGEST_TURN / turn))
     size = 1 + len(first.beta)
+    # Where the histogram is kept, alpha is no parameter: its row and column stay NaN.
     covariance = np.full((size, size), np.nan)
     if not distance < NEAR:
         return Optimum(model, covariance, rounds, False, float(distance))
@@ -166,13 +169,14 @@ def _last(differences: FloatArray) -> tuple[FloatArray, FloatArray, float, float
             break
         shift = shift + step
         logs = differences @ shift
+        # The largest exponent is taken off, so that no weight overflows.
         weights = np.exp(logs - logs.max())
         weights /= weights.sum()
+    # Effective share of weighted samples: 1 for equal weights.
     share = 1.0 / (differences.shape[0] * float((weights**2).sum()))
     inverse = np.linalg.pinv(np.atleast_2d(np.cov(differences.T, aweights=weights)), rcond=1e-14, hermitian=True)
     batches = np.array([batch.mean(axis=0) for batch in np.array_split(differences, BATCHES)])
-    simulation = inverse @ np.atleast_2d(np.cov(batches.T) / BATCHES) @ inverse
-    return shift, np.asarray(inverse + simulation), float(distance), share
+    return shift, np.asarray(inverse + inverse @ np.atleast_2d(np.cov(batches.T) / BATCHES) @ inverse), float(distance), share
 
 
 Method = Literal["pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"]
@@ -330,11 +334,8 @@ def refuse_flat(field: NDArray[np.int16], levels: int) -> None:
     """Refuse pictures of one value, and pictures of two values for a fit with more levels."""
     values = np.unique(field)
     if values.size == 1:
-        raise DomainError(
-            f"every pixel is {values[0]}: a constant picture has no texture to fit; choose a region that varies, or finer grey levels",
-            name="image",
-            value=int(values[0]),
-        )
+        message = f"every pixel is {values[0]}: a constant picture has no texture to fit; choose a region that varies, or finer grey levels"
+        raise DomainError(message, name="image", value=int(values[0]))
     if values.size == 2 and levels > 2:
         raise DomainError(
             f"the picture has two values only ({values[0]} and {values[1]}) for levels = {levels}: set levels = 2 and give it as 0 and 1, "
@@ -349,10 +350,8 @@ def _refuse_few(field: NDArray[np.int16], model: Autobinomial, *, periodic: bool
     inner = field.size if periodic else (rows - 2 * down) * (columns - 2 * across)
     needed = PIXELS_PER_PARAMETER * (1 + len(model.neighbours))
     if inner < needed:
-        raise DomainError(
+        message = (
             f"{rows} x {columns} pixels: {inner} of them have all their neighbours, {needed} are needed for {1 + len(model.neighbours)} "
-            "parameters; take a larger region, a lower order or isotropic classes",
-            name="image",
-            value=inner,
-            allowed=f"{needed} or more",
+            "parameters; take a larger region, a lower order or isotropic classes"
         )
+        raise DomainError(message, name="image", value=inner, allowed=f"{needed} or more")

@@ -59,6 +59,7 @@ class ColourPlan(NamedTuple):
 @kernel
 def set_bits(x: int) -> int:
     """Number of bits that are set, of 32."""
+    # Bits are counted in pairs, fours and bytes; the product adds the four bytes.
     x -= (x >> 1) & 0x55555555
     x = (x & 0x33333333) + ((x >> 2) & 0x33333333)
     x = (x + (x >> 4)) & 0x0F0F0F0F
@@ -74,6 +75,7 @@ def binomial(probability: float, trials: int, key: tuple[int, int]) -> int:
     """
     if probability >= 1.0:
         return trials
+    # A trial succeeds where its uniform number, drawn bit by bit from the highest, is below the probability.
     whole = int(probability * 2.0**PRECISION)
     count, number = 0, 0
     while trials > 0:
@@ -143,6 +145,7 @@ def coupling_between(law: Law, shape: tuple[int, int], down: int, right: int) ->
     rows, columns = shape
     for k in range(law.coupling.shape[0]):
         dy, dx = law.down[k], law.right[k]
+        # Modulo the size: on a torus neighbours across the edges are coupled too.
         if (down - dy) % rows == 0 and (right - dx) % columns == 0:
             return float(law.coupling[k])
         if (down + dy) % rows == 0 and (right + dx) % columns == 0:
@@ -229,8 +232,7 @@ def words(seed: int, purpose: str) -> NDArray[np.int64]:
 
 def sweep(field: NDArray[np.int16], law: Law, lattice: ColourPlan, key: NDArray[np.int64], first: int, sweeps: int) -> None:
     """Run Gibbs sweeps in place, in threads for large pictures; the bytes are the same either way."""
-    run = gibbs_in_threads if field.size >= IN_THREADS_FROM else gibbs
-    run(field, law, lattice, key, first, sweeps)
+    (gibbs_in_threads if field.size >= IN_THREADS_FROM else gibbs)(field, law, lattice, key, first, sweeps)
 
 
 def sums_of(field: NDArray[np.int16], law: Law, lattice: ColourPlan) -> FloatArray:
@@ -303,6 +305,7 @@ def sample(
             raise DomainError(
                 f"start has {field.shape[0]} x {field.shape[1]} pixels, shape asks for {shape[0]} x {shape[1]}: give a start of that shape"
             )
+        # The margin, which is cut off in the end, begins as the mirror image of the start.
         field = np.ascontiguousarray(np.pad(field, ((down, down), (across, across)), mode="symmetric"))
     sweep(field, sampling_law(model), plan(model, whole), words(seed, "autobinomial-gibbs"), 0, sweeps)
     return np.ascontiguousarray(field[down : whole[0] - down, across : whole[1] - across])
@@ -391,6 +394,7 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
     law, lattice = sampling_law(model), plan(model, shape)
     traces = np.empty((chains, draws, 1 + len(model.beta)))
     for chain in range(chains):
+        # Chains begin between the lowest and the highest level: those that stay apart show several phases.
         field = np.full(shape, round(model.most * chain / (chains - 1)), dtype=np.int16)
         key = words(seed, f"autobinomial-chain-{chain}")
         sweep(field, law, lattice, key, 0, warm)

@@ -92,6 +92,7 @@ class GreyLevels:
         counts = np.bincount(placed, minlength=levels)
         between = np.concatenate([[low], edges, [high]])
         centres = 0.5 * (between[1:] + between[:-1])
+        # A level without pixels has no mean: the middle of its edges stands for it.
         means = np.bincount(placed, values.ravel(), minlength=levels) / np.maximum(counts, 1)
         return cls(edges, np.where(counts > 0, means, centres))
 
@@ -149,8 +150,8 @@ class AutobinomialTexture:
         shares = np.array(self.histogram)
         counts = np.floor(shares * rows * columns).astype(int)
         # The remainder of rounding is given to the levels that lost most.
-        lost = np.argsort(counts - shares * rows * columns)
-        counts[lost[: rows * columns - counts.sum()]] += 1
+        counts[np.argsort(counts - shares * rows * columns)[: rows * columns - counts.sum()]] += 1
+        # Exchanges keep the histogram: the start has it, in random order.
         start = np.repeat(np.arange(counts.size), counts).astype(np.int16)
         random.stream(seed, "texture histogram").shuffle(start)
         return self._values(exchange(start.reshape(rows, columns), self.field, count, seed))
@@ -286,6 +287,7 @@ def fit_texture(
 
 def _gap(picture: NDArray[np.int16], model: Autobinomial, seed: int) -> float:
     """Largest difference between correlations with neighbours in the picture and in an exchange sample begun at a shuffled one [1]."""
+    # A permutation of the picture has its histogram and none of its correlations.
     start = random.stream(seed, "texture histogram").permutation(picture.ravel()).reshape(picture.shape)
     drawn = exchange(start, model, SWEEPS["exchange"], seed)
     return float(np.abs(correlations(drawn, model.neighbours) - correlations(picture, model.neighbours)).max())

@@ -126,8 +126,7 @@ def symbol(model: GaussMarkov, shape: Sequence[int]) -> FloatArray:
     DomainError
         A torus that is too small, or one with a wave without a finite variance.
     """
-    sides = require_torus(model, shape)
-    result = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, sides)
+    result = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, require_torus(model, shape))
     least = float(result.min())
     if least < FLAT:
         raise DomainError(

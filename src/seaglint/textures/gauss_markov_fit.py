@@ -331,8 +331,7 @@ def candidates(reach: Sequence[int]) -> tuple[Offset, ...]:
     ((0, 0, 1), (0, 1, -1), (0, 1, 0), (0, 1, 1))
     """
     t, y, x = reach
-    every = ((i, j, k) for i in range(t + 1) for j in range(-y, y + 1) for k in range(-x, x + 1))
-    return tuple(d for d in every if d > (0, 0, 0))
+    return tuple(d for d in ((i, j, k) for i in range(t + 1) for j in range(-y, y + 1) for k in range(-x, x + 1)) if d > (0, 0, 0))
 
 
 def choose(data: Covariances, among: Sequence[Offset], most: int = 16) -> GaussMarkovFit:
@@ -363,8 +362,7 @@ def choose(data: Covariances, among: Sequence[Offset], most: int = 16) -> GaussM
         return _forward(data, pool, most)
     except NoOptimumError:
         selected = _forward(data.damped(), pool, most)
-        note = "covariances at large distances were damped: as they are, no field has them"
-        return replace(selected, notes=(*selected.notes, note))
+        return replace(selected, notes=(*selected.notes, "covariances at large distances were damped: as they are, no field has them"))
 
 
 def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit:
@@ -399,8 +397,7 @@ def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit
     likelihood.offsets = tuple(chosen)
     if not data.periodic:
         # Weights that a coarse grid allows may not belong to a field: begin a little inside.
-        inside = GaussMarkov(tuple(chosen), tuple(theta[1:] / theta[0]), 1.0)
-        least = min(least_symbol(inside, likelihood.shape), 0.0)
+        least = min(least_symbol(GaussMarkov(tuple(chosen), tuple(theta[1:] / theta[0]), 1.0), likelihood.shape), 0.0)
         theta[1:] *= (1.0 - LEAST) / (1.0 - least)
     fine = _Likelihood(data, pool)
     fine.offsets = tuple(chosen)
@@ -419,6 +416,5 @@ def _most_promising(likelihood: _Likelihood, theta: FloatArray, pool: list[Offse
     for d in pool:
         gradient = -(float(covariance[d]) - likelihood.data.at(d))
         row = likelihood.row(squared, likelihood.offsets, d)
-        left = row[count] - row[:count] @ np.linalg.solve(own, row[:count])
-        gains.append(gradient**2 / max(left, 1e-12 * row[count]))
+        gains.append(gradient**2 / max(row[count] - row[:count] @ np.linalg.solve(own, row[:count]), 1e-12 * row[count]))
     return pool[int(np.argmax(gains))]

@@ -100,6 +100,7 @@ def neighbours(shape: Sequence[int], reach: Sequence[int] = REACH) -> tuple[tupl
     """
     time = min(reach[0], shape[0] // 4) if shape[0] >= 8 else 0
     in_frame = estimation.candidates((0, *reach[1:]))
+    # Other frames have fewer candidates: waves move by a pixel or two from frame to frame.
     in_others = estimation.candidates((time, min(reach[1], SPACE_IN_TIME), min(reach[2], SPACE_IN_TIME)))
     return tuple(sorted({canonical(d) for d in (*in_frame, *(d for d in in_others if d[0] > 0))}))
 
@@ -133,13 +134,14 @@ def fit_texture(
     pool = neighbours(x.shape, reach)
     far = np.abs(np.array(pool)).max(axis=0)
     measured = estimation.covariances(x, [min(int(r), (n - 1) // 2) for r, n in zip(far, x.shape, strict=True)])
+    # A small picture has no covariances at the farthest distances: neighbours there are no candidates.
     pool = tuple(d for d in pool if all(abs(p) <= r for p, r in zip(d, measured.reach, strict=True)))
     variance = measured.at((0, 0, 0))
     if not variance > 0.0:
         raise DataError("all values are equal: there is no texture to fit; choose another region")
     marginal = fit_marginal(x, tails)
-    latent = marginal.latent_correlation(measured.values / variance)
-    field = estimation.choose(replace(measured, values=latent, mean=0.0), pool, most)
+    # The field is fitted to the correlations that it has before the transform to the values.
+    field = estimation.choose(replace(measured, values=marginal.latent_correlation(measured.values / variance), mean=0.0), pool, most)
     notes = list(field.notes)
     slow, misfit = None, np.full(3, np.nan)
     if product or (product is None and tails != "gaussian"):
@@ -149,5 +151,4 @@ def fit_texture(
             f"{tails} values alone leave the filtered picture short of exceedances: fine structure is multiplied by a slow gamma field of "
             f"shape {slow.shape:.3g}"
         )
-    texture = GaussianTexture(field.model, marginal, slow)
-    return TextureFit(texture, field, marginal.truncation, misfit, tuple(notes))
+    return TextureFit(GaussianTexture(field.model, marginal, slow), field, marginal.truncation, misfit, tuple(notes))

@@ -60,8 +60,7 @@ def tail(frames: ArrayLike) -> Tail:
     variance = max(float(np.mean(strength**2)), 1e-300)
 
     def along(axis: int, longest: int) -> FloatArray:
-        n = strength.shape[axis]
-        lags = range(1, min(longest, n - 1) + 1)
+        lags = range(1, min(longest, strength.shape[axis] - 1) + 1)
         moved = np.moveaxis(strength, axis, 0)
         return np.array([float(np.mean(moved[lag:] * moved[:-lag])) / variance for lag in lags])
 

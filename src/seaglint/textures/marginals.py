@@ -170,8 +170,7 @@ class Marginal:
         0.5
         """
         grid = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 4001))
-        values = np.maximum.accumulate(self.output_correlation(grid))
-        rising, places = np.unique(values, return_index=True)
+        rising, places = np.unique(np.maximum.accumulate(self.output_correlation(grid)), return_index=True)
         return np.interp(np.asarray(output, np.float64), rising, grid[places])
 
     def to_dict(self) -> JsonObject:
@@ -276,8 +275,7 @@ def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
         raise DomainError(f"tails = {tails!r}; allowed are {', '.join(TAILS)}")
     if tails == "empirical":
         knots = np.linspace(-4.0, 4.0, EMPIRICAL)
-        quantiles = (np.quantile(x, special.ndtr(knots)) - mean) / std
-        return Marginal("empirical", mean, std, None, tuple(map(float, quantiles)))
+        return Marginal("empirical", mean, std, None, tuple(map(float, (np.quantile(x, special.ndtr(knots)) - mean) / std)))
     # Even steps of probability, and more of them in both tails.
     g = np.linspace(float(special.ndtri(INNER[0])), float(special.ndtri(INNER[1])), 600)
     weight = np.exp(-0.25 * g**2)

@@ -132,11 +132,14 @@ def climb(
     # Sums of mean 0 and variance 1 make the information well conditioned; the results are converted back at the end.
     centre, spread = sums.reshape(count, -1).mean(axis=0), sums.reshape(count, -1).std(axis=0)
     centre[0], spread[0] = 0.0, 1.0
-    _refuse_even_sums(spread)
+    if (spread == 0.0).any():
+        message = "the neighbours of every pixel have one sum: their coupling cannot be told from alpha; choose a region that varies"
+        raise DomainError(message, name="image")
     z = (sums.reshape(count, -1) - centre) / spread
     share = x.mean() / most
     if start is None:
         theta = np.zeros(z.shape[1])
+        # Without couplings the logit of the mean is the maximum.
         theta[0] = np.log(share / (1.0 - share))
     else:
         theta = np.asarray(start, dtype=np.float64) * spread
@@ -159,6 +162,7 @@ def climb(
         if gain <= DECREMENT:
             converged = True
             break
+        # The step is halved until it gains its share of the expected gain.
         length = 1.0
         while (then := value(theta + length * step)) < now + 1e-4 * length * gain and length > 1e-10:
             length *= 0.5
@@ -200,14 +204,6 @@ def score_covariance(scores: NDArray[np.float64], neighbours: Classes, *, period
             pairs = first.T @ second
         total = total + pairs + pairs.T
     return total
-
-
-def _refuse_even_sums(spread: FloatArray) -> None:
-    if (spread == 0.0).any():
-        raise DomainError(
-            "the neighbours of every pixel have one sum: their coupling cannot be told from alpha; choose a region that varies",
-            name="image",
-        )
 
 
 def _refuse_twins(information: FloatArray) -> None:

@@ -92,18 +92,16 @@ class RatePair:
     @classmethod
     def of(cls, a: FalseAlarmRate, b: FalseAlarmRate) -> Self:
         """Return the rates of the first and the second picture."""
-        ratio = b.rate / a.rate if a.exceedances and b.exceedances else None
-        ends = [a.rate_low, a.rate_high], [b.rate_low, b.rate_high]
         return cls(
             threshold_sigma=a.threshold_sigma,
             gaussian_rate=a.gaussian_rate,
             first=a.rate,
-            first_interval=ends[0],
+            first_interval=[a.rate_low, a.rate_high],
             second=b.rate,
-            second_interval=ends[1],
+            second_interval=[b.rate_low, b.rate_high],
             first_over_gaussian=a.ratio,
             second_over_gaussian=b.ratio,
-            second_over_first=ratio,
+            second_over_first=b.rate / a.rate if a.exceedances and b.exceedances else None,
         )
 
 
@@ -194,12 +192,12 @@ class Comparison:
 
 
 def _values(a: FloatArray, b: FloatArray) -> ValueDistances:
+    # The largest difference of two distribution functions lies at a value of one of the samples.
     every = np.concatenate([a, b])
     every.sort()
     shares = [np.searchsorted(v, every, side="right") / v.size for v in (a, b)]
     steps = np.linspace(0.0005, 0.9995, 1000)
-    spread = max(float(a.std()), 1e-300)
-    wasserstein = float(np.abs(np.quantile(a, steps) - np.quantile(b, steps)).mean()) / spread
+    wasserstein = float(np.abs(np.quantile(a, steps) - np.quantile(b, steps)).mean()) / max(float(a.std()), 1e-300)
     return ValueDistances(float(np.abs(shares[0] - shares[1]).max()), wasserstein, ValueMoments.of(a), ValueMoments.of(b))
 
 
@@ -271,8 +269,7 @@ def compare(
     side = min(_side(first.shape), _side(second.shape))
     ends = np.quantile(np.concatenate([_some(first), _some(second)]), [0.001, 0.999])
     # Fewer frames give no correlation in time.
-    timed = consecutive and min(len(first), len(second)) >= 8
-    frames = min(len(first), len(second)) if timed else 0
+    frames = min(len(first), len(second)) if consecutive and min(len(first), len(second)) >= 8 else 0
     return Comparison(*(_measure(name, x, side, ends, frames) for name, x in zip(names, (first, second), strict=True)))
 
 
@@ -295,9 +292,9 @@ def _measure(name: str, x: NDArray[np.floating], side: int, ends: FloatArray, fr
     near = spatial_correlation(few, longest=LAGS)
     time = None
     if frames:
+        # About 4000 pixels of a frame are enough for the correlation in time.
         step = max(int(math.sqrt(x[0].size / 4000.0)), 1)
-        series = x[:frames, ::step, ::step].reshape(frames, -1)
-        time = temporal_correlation(series, longest=min(TIMES, frames // 2)).rho
+        time = temporal_correlation(x[:frames, ::step, ::step].reshape(frames, -1), longest=min(TIMES, frames // 2)).rho
     spectrum = power_spectrum((few - few.mean()) / std, size=side)
     features = cooccurrence(few, (float(ends[0]), float(ends[1])))
     return Likeness(name, np.sort(_some(x)), tuple(alarms.rates()), alarms.curve(), spectrum, near.x, near.y, time, features)
@@ -321,8 +318,7 @@ def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels
     >>> round(features["contrast"], 3), round(features["homogeneity"], 3)
     (0.5, 0.75)
     """
-    width = max(ends[1] - ends[0], 1e-300)
-    grey = np.clip((frames - ends[0]) / width * levels, 0, levels - 1).astype(np.int64)
+    grey = np.clip((frames - ends[0]) / max(ends[1] - ends[0], 1e-300) * levels, 0, levels - 1).astype(np.int64)
     i, j = np.indices((levels, levels))
     out: dict[str, list[float]] = {name: [] for name in ("contrast", "homogeneity", "energy", "entropy", "correlation")}
     rows, columns = grey.shape[1:]
@@ -330,6 +326,7 @@ def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels
         first = grey[:, : rows - down, max(-right, 0) : columns - max(right, 0)]
         second = grey[:, down:, max(right, 0) : columns + min(right, 0)]
         table = np.bincount((first * levels + second).ravel(), minlength=levels * levels).reshape(levels, levels).astype(np.float64)
+        # Symmetric: each pair counts in both orders.
         p = (table + table.T) / (2.0 * table.sum())
         mean = float((p * i).sum())
         variance = max(float((p * (i - mean) ** 2).sum()), 1e-300)

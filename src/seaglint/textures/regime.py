@@ -93,6 +93,7 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
     starts = [np.full((rows, columns), level, dtype=np.int16) for level in (0, model.most)]
     # Samples begun at opposite levels differ at the end if the field has several phases.
     low, high = (sampler.sample(model, (rows, columns), sweeps, seed + i, start=start) for i, start in enumerate(starts))
+    # The third sample begins with the picture: it shows whether sweeps keep the texture.
     own = sampler.sample(model, (rows, columns), sweeps, seed + 2, start=field[:rows, :columns])
     memory = abs(float(high.mean()) - float(low.mean())) / model.most
     data = correlations(field, model.neighbours)

@@ -112,8 +112,7 @@ def require_values(frames: ArrayLike, *, two: bool = False) -> None:
         )
     missing = int(x.size - np.count_nonzero(np.isfinite(x)))
     if missing:
-        bad = ~np.isfinite(x).all(axis=tuple(range(x.ndim - 2)))
-        where = np.argwhere(bad)[0]
+        where = np.argwhere(~np.isfinite(x).all(axis=tuple(range(x.ndim - 2))))[0]
         raise DataError(
             f"{missing} values are missing or infinite (the first in row {where[0]}, column {where[1]} of the region); "
             "choose a region without them"
@@ -157,6 +156,7 @@ class Changes:
 def examine(frames: NDArray[np.floating]) -> Changes:
     """Measure the slow changes of a region, shape (frames, rows, columns)."""
     some = np.asarray(frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).astype(int))], np.float64)
+    # Slow changes need no more than some evenly spread rows and columns.
     some = some[:, :: max(some.shape[1] // SAMPLED, 1), :: max(some.shape[2] // SAMPLED, 1)]
     variance = float(some.var())
     if not variance > 0.0:
@@ -181,11 +181,10 @@ def even_region(frames: NDArray[np.floating]) -> PixelRegion | None:
     """Largest region without reportable slow changes, of a few sizes and places; None without one."""
     rows, columns = frames.shape[-2:]
     for share in SHARES:
-        examined = [(examine(region.of(frames)), region) for region in _places(rows, columns, share)]
         passed = [
             (changes.mean / REPORTED[0] + changes.spread / REPORTED[1], region)
-            for changes, region in examined
-            if not changes.beyond(REPORTED)
+            for region in _places(rows, columns, share)
+            if not (changes := examine(region.of(frames))).beyond(REPORTED)
         ]
         if passed:
             return min(passed, key=lambda pair: pair[0])[1]

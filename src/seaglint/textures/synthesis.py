@@ -169,10 +169,8 @@ def slow(modulation: Modulation, shape: Sequence[int], seed: int) -> Field:
     t, y, x = modulation.lengths
     across = np.exp(-((np.pi * y * rows) ** 2))[:, None] * np.exp(-((np.pi * x * columns) ** 2))
     along = np.exp(-((np.pi * t * np.fft.fftfreq(shape[0])) ** 2))
-    weights = half_weights(shape[2])
-    mean = float((across * weights).sum()) * float(along.sum()) / math.prod(shape)
-    field = gaussian(shape, lambda k: across * (along[k] / mean), seed, "texture modulation")
-    return _power(modulation.shape).transform(field)
+    mean = float((across * half_weights(shape[2])).sum()) * float(along.sum()) / math.prod(shape)
+    return _power(modulation.shape).transform(gaussian(shape, lambda k: across * (along[k] / mean), seed, "texture modulation"))
 
 
 def latent(model: GaussMarkov, shape: Sequence[int], seed: int, modulation: Modulation | None = None) -> Field:

@@ -76,8 +76,7 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
         raise DataError("the region has no pixel with a value that varies; drag another one")
     moments = first.moments.region(mask)
     block = recording.read(0, 1)
-    gathered = Gatherer(mask, 1, np.zeros(1, np.int64), AnalysisOptions().seed, recording.offset)
-    values, _ = gathered.sample(block, (1e9, 1e9), mask)
+    values, _ = Gatherer(mask, 1, np.zeros(1, np.int64), AnalysisOptions().seed, recording.offset).sample(block, (1e9, 1e9), mask)
     inside = block[0][mask].astype(np.float64) + recording.offset
     low, high = float(inside.min()), float(inside.max())
     # A region of equal values still needs a range of some width.

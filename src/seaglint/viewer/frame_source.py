@@ -10,7 +10,7 @@ import os
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -231,8 +231,7 @@ def _boxes(path: Path) -> Callable[[int], list[ObjectBox]] | None:
     needed = ("bbox_left_px", "bbox_top_px", "bbox_width_px", "bbox_height_px", "range_m")
 
     def read(index: int) -> list[ObjectBox]:
-        table = np.stack([np.asarray(group[name][index], np.float64) for name in needed], axis=1)
-        rows = zip(names, table.tolist(), strict=True)
+        rows = zip(names, np.stack([np.asarray(group[name][index], np.float64) for name in needed], axis=1).tolist(), strict=True)
         return [ObjectBox(name, *row) for name, row in rows if all(map(math.isfinite, row[:4])) and row[2] > 0.0 and row[3] > 0.0]
 
     return read
@@ -414,8 +413,7 @@ class ViewerSource:
         if spread:
             frames = evenly(done, MOST_TRACED)
         else:
-            middle = int(np.searchsorted(done, around))
-            first = max(min(middle - MOST_TRACED // 2, done.size - MOST_TRACED), 0)
+            first = max(min(int(np.searchsorted(done, around)) - MOST_TRACED // 2, done.size - MOST_TRACED), 0)
             frames = done[first : first + MOST_TRACED]
         chosen = self.layer(layer)
         values = np.empty(frames.size)
@@ -435,12 +433,9 @@ class ViewerSource:
         only : int, optional
             Single frame to return.
         """
-        from dataclasses import replace
-
         chosen, opened = self.layer(layer), self.opened
         done = self.done() if only is None else np.array([only])
-        if opened.recording is not None:
-            recording = opened.recording
+        if (recording := opened.recording) is not None:
             if only is None:
                 return recording
             return replace(recording, frames=1, read_block=lambda start, stop: recording.read_block(only, only + 1))

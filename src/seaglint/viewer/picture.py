@@ -175,6 +175,5 @@ def sampled(show: Show) -> NDArray[np.int64]:
 
 def tag(show: Show, index: int, scaling: Scale) -> str:
     """Return the ETag of a picture; equal pictures have equal tags."""
-    steps = b"" if scaling.steps is None else scaling.steps.tobytes()
-    content = repr((show.key, index, scaling.low, scaling.high)).encode() + steps
+    content = repr((show.key, index, scaling.low, scaling.high)).encode() + (b"" if scaling.steps is None else scaling.steps.tobytes())
     return f'"{hashlib.blake2b(content, digest_size=12).hexdigest()}"'

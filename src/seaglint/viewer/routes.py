@@ -140,8 +140,7 @@ def probe(source: ViewerSource, index: int, row: int, column: int) -> JsonObject
         value = float(source.read(index, layer.name)[row, column])
         values.append({"name": layer.name, "label": layer.label, "unit": layer.unit, "value": value if np.isfinite(value) else None})
     azimuth, elevation = towards(source, index, row, column)
-    boxes = source.boxes(index)
-    inside = [b.name for b in boxes if b.left <= column < b.left + b.width and b.top <= row < b.top + b.height]
+    inside = [b.name for b in source.boxes(index) if b.left <= column < b.left + b.width and b.top <= row < b.top + b.height]
     return {
         "frame": index,
         "row": row,
@@ -447,25 +446,24 @@ class _Pages:
         # Axes with angles only where these hold for all frames.
         directions = None if opened.directions is None or opened.turning else source.directions(0)
         upright = directions is not None and directions[0].ndim == 1
-        return _json(
-            {
-                "name": Path(source.path).name,
-                "title": opened.title,
-                "frames": opened.frames,
-                "done": int(done.size),
-                "first": int(done[0]) if done.size else None,
-                "last": int(done[-1]) if done.size else None,
-                "rows": opened.rows,
-                "columns": opened.columns,
-                "frame_rate_hz": opened.frame_rate,
-                "start_s": None if opened.times is None or not opened.times.size else float(opened.times[0]),
-                "azimuth_deg": directions[0].tolist() if upright and directions is not None else None,
-                "elevation_deg": directions[1].tolist() if upright and directions is not None else None,
-                "layers": [{"name": layer.name, "label": layer.label, "unit": layer.unit} for layer in opened.layers.values()],
-                "truth": opened.boxes is not None,
-                "notes": list(opened.notes),
-            }
-        )
+        answer = {
+            "name": Path(source.path).name,
+            "title": opened.title,
+            "frames": opened.frames,
+            "done": int(done.size),
+            "first": int(done[0]) if done.size else None,
+            "last": int(done[-1]) if done.size else None,
+            "rows": opened.rows,
+            "columns": opened.columns,
+            "frame_rate_hz": opened.frame_rate,
+            "start_s": None if opened.times is None or not opened.times.size else float(opened.times[0]),
+            "azimuth_deg": directions[0].tolist() if upright and directions is not None else None,
+            "elevation_deg": directions[1].tolist() if upright and directions is not None else None,
+            "layers": [{"name": layer.name, "label": layer.label, "unit": layer.unit} for layer in opened.layers.values()],
+            "truth": opened.boxes is not None,
+            "notes": list(opened.notes),
+        }
+        return _json(answer)
 
     def frame(self, request: Request) -> Response:
         """Return the levels of a frame, one byte a pixel, with their scale in the header ``Seaglint-Scale``."""
@@ -484,28 +482,24 @@ class _Pages:
     def probe(self, request: Request) -> Response:
         """Return the values under the pointer."""
         query = Query(request)
-        index = _index(request)
-        return _json(probe(self._of(request), index, query.integer("row"), query.integer("column")))
+        return _json(probe(self._of(request), _index(request), query.integer("row"), query.integer("column")))
 
     def trace(self, request: Request) -> Response:
         """Return the values of a pixel over time."""
         query = Query(request)
         index = _index(request)
         place = query.integer("row"), query.integer("column")
-        course = trace(self._of(request), *place, index, query.word("layer"), spread=query.word("spread") == "1")
-        return _json(course)
+        return _json(trace(self._of(request), *place, index, query.word("layer"), spread=query.word("spread") == "1"))
 
     def truth(self, request: Request) -> Response:
         """Return the boxes of objects."""
         boxes = self._of(request).boxes(_index(request))
-        listed = [vars(box) | {"range_m": box.range_m if math.isfinite(box.range_m) else None} for box in boxes]
-        return _json({"boxes": listed})
+        return _json({"boxes": [vars(box) | {"range_m": box.range_m if math.isfinite(box.range_m) else None} for box in boxes]})
 
     def region(self, request: Request) -> Response:
         """Return histogram, moments and fits of a region of one frame."""
         query = Query(request)
-        statistics = quick(self._of(request), _index(request), self._rectangle(query), query.word("layer"))
-        return _json(statistics)
+        return _json(quick(self._of(request), _index(request), self._rectangle(query), query.word("layer")))
 
     @staticmethod
     def _rectangle(query: Query) -> Rectangle:
@@ -525,16 +519,14 @@ class _Pages:
             query.word("layer"),
             query.rectangle(),
         )
-        bits = base64.b64encode(np.packbits(above).tobytes()).decode()
-        return _json({**result, "mask": bits})
+        return _json({**result, "mask": base64.b64encode(np.packbits(above).tobytes()).decode()})
 
     def analyse(self, request: Request) -> Response:
         """Start the whole analysis of a region."""
         query, source = Query(request), self._of(request)
         where, layer = self._rectangle(query), query.word("layer")
         only = None if query.word("all") == "1" else _index(request)
-        number = self._jobs.start(lambda progress: whole(source, where, layer, only, progress))
-        return _json({"job": number}, 202)
+        return _json({"job": self._jobs.start(lambda progress: whole(source, where, layer, only, progress))}, 202)
 
     def analysis(self, request: Request) -> Response:
         """Return the progress of an analysis, and its result as JSON or CSV once it exists."""

@@ -18,7 +18,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Awaitable, Callable, Iterator, MutableMapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from http.cookies import CookieError, SimpleCookie
 from ipaddress import ip_address
@@ -442,10 +442,8 @@ def _open_browser(where: str) -> None:
     if shown:
         import webbrowser
 
-        try:
+        with suppress(webbrowser.Error, OSError):
             opened = webbrowser.open(where)
-        except (webbrowser.Error, OSError):
-            opened = False
     if not opened:
         print("seaglint: no browser could be opened here; open the address in one", file=sys.stderr, flush=True)
 

@@ -123,8 +123,7 @@ def category_of(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
     """Return the class of an object by its name, preset or kind of shape; those that a template drew are named NAME-1, NAME-2, ..."""
     name = str(item["name"])
     drawn, _, number = name.rpartition("-")
-    category = classes.get(name) or (classes.get(drawn) if number.isdecimal() else None)
-    return str(category or item.get("preset") or item["shape"]["kind"])
+    return str(classes.get(name) or (classes.get(drawn) if number.isdecimal() else None) or item.get("preset") or item["shape"]["kind"])
 
 
 def _rows(labels: Labels, variable: xr.DataArray) -> list[DatasetObject]:
@@ -151,10 +150,8 @@ def pieces(label: Label) -> list[Piece]:
     columns = mask.shape[1]
     left, width = label.values["bbox_left_px"], label.values["bbox_width_px"]
     # A box that reaches beyond the last column of a panorama continues at column 0.
-    cut = left + width > columns
-    halves = [np.arange(columns) >= left, np.arange(columns) < left] if cut else [np.ones(columns, bool)]
-    parts = [mask & half for half in halves]
-    return [Piece(box_of(part), int(part.sum()), compressed(run_lengths(part))) for part in parts if part.any()]
+    halves = [np.arange(columns) >= left, np.arange(columns) < left] if left + width > columns else [np.ones(columns, bool)]
+    return [Piece(box_of(part), int(part.sum()), compressed(run_lengths(part))) for part in (mask & half for half in halves) if part.any()]
 
 
 def local_contrast(values: NDArray[np.float64], mask: NDArray[np.bool_], covered: NDArray[np.bool_]) -> tuple[float, float] | None:
@@ -231,8 +228,7 @@ def write_sheet(examples: Sequence[Example], path: Path) -> None:
             # The frame is three pixels of the picture wider than the box, so that it does not cover the object.
             x0, y0 = left + (box[0] - 3) * zoom, top + (box[1] - 3) * zoom
             x1, y1 = left + (box[0] + box[2] + 3) * zoom, top + (box[1] + box[3] + 3) * zoom
-            inside = (max(x0, left), max(y0, top), min(x1, left + size[0] - 1), min(y1, top + size[1] - 1))
-            pen.rectangle(inside, outline=_GREEN)
+            pen.rectangle((max(x0, left), max(y0, top), min(x1, left + size[0] - 1), min(y1, top + size[1] - 1)), outline=_GREEN)
         pen.text((left, top + tall + 1), example.title, fill=(220, 220, 220))
     with moved_when_whole(path) as partial:
         sheet.save(partial, format="PNG")
@@ -273,8 +269,7 @@ def statistics(catalogue: Catalogue) -> JsonObject:
 
 
 def _histogram(values: Iterable[float | None], edges: Sequence[float]) -> dict[str, int]:
-    known = [value for value in values if value is not None]
-    counts = np.histogram(known, edges)[0]
+    counts = np.histogram([value for value in values if value is not None], edges)[0]
     names = [f"{low:g} to {high:g}" if np.isfinite(high) else f"above {low:g}" for low, high in pairwise(edges)]
     return dict(zip(names, counts.tolist(), strict=True))
 
@@ -352,11 +347,9 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
         "## Statistics",
         "",
     ]
-    columns = ("", *SPLITS, "all")
-    lines += _table(columns, [(n.replace("_", " "), *numbers[n].values(), total[n]) for n in total])
-    lines += _table(("category", "annotated objects"), list(numbers["by_category"].items()))
-    lines += _table(("snr", "annotated objects"), list(numbers["snr"].items()))
-    lines += _table(("pixels filled", "annotated objects"), list(numbers["filled_px"].items()))
+    lines += _table(("", *SPLITS, "all"), [(n.replace("_", " "), *numbers[n].values(), total[n]) for n in total])
+    for head, name in (("category", "by_category"), ("snr", "snr"), ("pixels filled", "filled_px")):
+        lines += _table((head, "annotated objects"), list(numbers[name].items()))
     lines += _table(tuple(f"range, {name} [m]" for name in numbers["range_m"]), [tuple(f"{v:g}" for v in numbers["range_m"].values())])
     drawn = [
         (f"`{name}`", ", ".join(f"{key} {value:g}" for key, value in values.items())) for name, values in numbers["parameters"].items()
@@ -381,8 +374,7 @@ def _table(head: Sequence[str], body: Sequence[Sequence[Any]]) -> list[str]:
     """Return the lines of a Markdown table; no lines for an empty one."""
     if not body or not head:
         return []
-    lines = [head, tuple("---" for _ in head), *body]
-    return [*("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines), ""]
+    return [*("| " + " | ".join(str(cell) for cell in line) + " |" for line in [head, tuple("---" for _ in head), *body]), ""]
 
 
 SUMS: Final = "SHA256SUMS"
@@ -433,8 +425,7 @@ def problems(folder: Path) -> Iterator[str]:
     """
     about = read_about(folder)
     try:
-        lines = read_text(folder / SUMS, "").splitlines()
-        sums = {name: digest for digest, name in (line.split("  ", 1) for line in lines)}
+        sums = {name: digest for digest, name in (line.split("  ", 1) for line in read_text(folder / SUMS, "").splitlines())}
     except (DataError, ValueError):
         yield f"{SUMS}: is missing or cut"
         return
@@ -497,12 +488,11 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
     about : mapping
         ``description``, ``licence`` (None for the default) and ``split``.
     """
-    licence = about["licence"] or LICENCE
     counts = all(part.levels is not None and part.levels.counts for part in catalogue.parts)
     shared = {
         "title": catalogue.title,
         "description": about["description"],
-        "licence": licence,
+        "licence": about["licence"] or LICENCE,
         "version": __version__,
         "seed": catalogue.seed,
         "split": list(about["split"]),
@@ -559,8 +549,7 @@ def _examples(folder: Path, catalogue: Catalogue, settings: ConversionSettings) 
     chosen = [parts[i] for i in sorted({round(j) for j in np.linspace(0, len(parts) - 1, min(EXAMPLES, len(parts)))})]
     out = []
     for part in chosen:
-        counts = [sum(len(row.pieces) for row in part.rows if row.frame == i) for i in range(len(part.pictures))]
-        place = int(np.argmax(counts))
+        place = int(np.argmax([sum(len(row.pieces) for row in part.rows if row.frame == i) for i in range(len(part.pictures))]))
         rows = [row for row in part.rows if row.frame == place and row.pieces]
         most = max((row.snr for row in rows if row.snr is not None), default=None)
         title = f"{part.pictures[place].name} {part.split}" + (f", SNR to {most:.3g}" if most is not None else "")

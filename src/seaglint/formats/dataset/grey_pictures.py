@@ -124,9 +124,7 @@ def read_picture(path: Path) -> NDArray[Any]:
                 grey = image.mode in ("L", "I;16")
                 levels = np.asarray(image)
         else:
-            tifffile = optional("tifffile", f"{path}: TIFF")
-
-            levels = tifffile.imread(path)
+            levels = optional("tifffile", f"{path}: TIFF").imread(path)
             grey = levels.ndim == 2
     except BackendError:
         raise
@@ -205,8 +203,7 @@ def decoded(text: str, shape: tuple[int, int]) -> NDArray[np.bool_]:
     if min(runs, default=0) < 0 or sum(runs) != rows * columns:
         raise DataError(f"its run lengths are not those of {columns} x {rows} pixels")
     # Runs alternate, the first one outside the mask.
-    flat = np.repeat(np.arange(len(runs)) % 2 == 1, runs)
-    return flat.reshape(columns, rows).T
+    return np.repeat(np.arange(len(runs)) % 2 == 1, runs).reshape(columns, rows).T
 
 
 def box_of(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:

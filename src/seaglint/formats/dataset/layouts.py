@@ -47,8 +47,7 @@ class Coco(DatasetFormat):
     def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
         """Write ``annotations.json`` and ``annotations_train.json``, ``_val``, ``_test``, which have its numbers."""
         version = f"seaglint {about['version']}, seed {about['seed']}"
-        info = {"description": about["title"], "version": version, "contributor": "simulated"}
-        whole = _document(catalogue, info, about["licence"])
+        whole = _document(catalogue, {"description": about["title"], "version": version, "contributor": "simulated"}, about["licence"])
         write_json(whole, folder / ANNOTATIONS, indent=None)
         for split in SPLITS:
             images = [image for image in whole["images"] if image["split"] == split]
@@ -97,8 +96,7 @@ def _document(catalogue: Catalogue, info: Mapping[str, Any], licence: str) -> Js
         for row in part.rows:
             for piece in row.pieces:
                 about = {"id": len(annotations) + 1, "image_id": first + row.frame, "track_id": tracks[part.scene] + row.number}
-                category = numbers[part.categories[row.number]]
-                annotations.append({**about, "category_id": category, **_annotation(part, row, piece)})
+                annotations.append({**about, "category_id": numbers[part.categories[row.number]], **_annotation(part, row, piece)})
     return {
         "info": dict(info),
         "licenses": [{"id": 1, "name": licence, "url": ""}],
@@ -194,9 +192,7 @@ def masks(part: DatasetScene) -> dict[str, NDArray[np.bool_]]:
 
 def _sirst_problems(folder: Path, image: str) -> Iterator[str]:
     """Yield pictures without masks or names, masks of another size or other values."""
-    listed: list[str] = []
-    for split in SPLITS:
-        listed += (folder / "img_idx" / f"{split}.txt").read_text(encoding="utf-8").split()
+    listed = [name for split in SPLITS for name in (folder / "img_idx" / f"{split}.txt").read_text(encoding="utf-8").split()]
     pictures = {path.stem for path in (folder / "images").glob(f"*.{image}")}
     if len(set(listed)) < len(listed) or set(listed) != pictures:
         yield "img_idx: the lists do not name every picture once"
@@ -276,8 +272,7 @@ class Stores(DatasetFormat):
             path = _store(folder, scene)
             try:
                 with open_sequence(path) as dataset:
-                    shape = (dataset.sizes["time"], dataset.sizes["y"], dataset.sizes["x"])
-                    if shape != (len(one["images"]), one["height"], one["width"]):
+                    if (dataset.sizes["time"], dataset.sizes["y"], dataset.sizes["x"]) != (len(one["images"]), one["height"], one["width"]):
                         yield f"{path.name}: has not the frames and pixels that dataset.json tells"
             except DataError as error:
                 yield str(error)

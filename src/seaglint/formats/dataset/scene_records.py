@@ -201,8 +201,7 @@ class Catalogue:
         for part in self.parts:
             about = {"scene": part.scene, "split": part.split, "frames": len(part.pictures), "frame_rate_hz": part.frame_rate_hz}
             drawn = {name: part.parameters.get(name) for name in columns if name not in about}
-            lines = part.levels.attributes if part.levels is not None else {}
-            rows.append({**about, **drawn, **lines})
+            rows.append({**about, **drawn, **(part.levels.attributes if part.levels is not None else {})})
         names = list(dict.fromkeys(name for row in rows for name in row))
         return [{name: row.get(name) for name in names} for row in rows]
 

@@ -193,8 +193,7 @@ def _first_moment(dataset: xr.Dataset) -> str | None:
     import xarray as xr
 
     # Runs are opened with their times as numbers.
-    moment = xr.decode_cf(dataset[["utc"]].isel(time=[0]))["utc"].to_numpy()[0]
-    return str(np.datetime_as_string(moment, unit="ms"))
+    return str(np.datetime_as_string(xr.decode_cf(dataset[["utc"]].isel(time=[0]))["utc"].to_numpy()[0], unit="ms"))
 
 
 class _Disk(io.RawIOBase):
@@ -264,8 +263,7 @@ class Hdf5(ExportFormat):
         """Return 32-bit integers for counts that may be :data:`~seaglint.store.netcdf.MISTAKEN`; other formats unchanged."""
         from seaglint.store.netcdf import MISTAKEN
 
-        most = stack.images.attrs.get("saturation_counts", MISTAKEN)
-        if numbers.dtype == np.uint16 and numbers.counts is None and most >= MISTAKEN:
+        if numbers.dtype == np.uint16 and numbers.counts is None and stack.images.attrs.get("saturation_counts", MISTAKEN) >= MISTAKEN:
             return NumberFormat(np.dtype(np.int32))
         return numbers
 
@@ -437,8 +435,7 @@ def _calibration(stack: Stack, numbers: NumberFormat, text: str) -> dict[str, An
         values = {"cf": 0, "c0": numbers.counts.offset, "c1": numbers.counts.scale, **values}
     rate = stack.frame_rate
     times = {} if rate is None else {"finterval": 1.0 / rate, "fps": rate}
-    unit = "pixel" if _steps(stack) is None else "deg"
-    return {"axes": "TYX", "unit": unit, **times, **values, "Info": text}
+    return {"axes": "TYX", "unit": "pixel" if _steps(stack) is None else "deg", **times, **values, "Info": text}
 
 
 def _steps(stack: Stack) -> tuple[float, float] | None:

@@ -260,8 +260,7 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
             raise DataError(f"{source}: {frames!r} is not in the run, which holds frames {run.start}:{run.stop}; give frames of these")
     if "frame_done" in dataset and not bool(np.all(dataset["frame_done"].to_numpy()[picked])):
         raise DataError(f"{source}: frames of it are not rendered yet; render again with resume=True")
-    variables = [chosen, *(name for name in ("wavelength_bounds",) if name in dataset.variables)]
-    out = labelled(dataset[variables].isel(time=picked))
+    out = labelled(dataset[[chosen, *(name for name in ("wavelength_bounds",) if name in dataset.variables)]].isel(time=picked))
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     before = f"{out.attrs['history']}\n" if "history" in out.attrs else ""
     out.attrs = {**out.attrs, "history": f"{before}{now} {chosen} exported by seaglint {__version__}"}

@@ -40,13 +40,11 @@ class Aerosol(HazeWeather):
     def card(self) -> str:
         """Return card 2. Calm is written as 0.001 m/s, because 0 means "the default wind of the model atmosphere"."""
         if self.haze == "navy-maritime" and max(self.wind, self.wind_24h) > NAVY_AEROSOL_WIND[1]:
-            raise DomainError(
+            message = (
                 f"wind = {max(self.wind, self.wind_24h):g} m/s is above {NAVY_AEROSOL_WIND[1]:g} m/s of the Navy maritime aerosol; "
-                "choose a weaker wind or another atmosphere.haze",
-                name="wind_speed",
-                value=max(self.wind, self.wind_24h),
-                allowed=NAVY_AEROSOL_WIND,
+                "choose a weaker wind or another atmosphere.haze"
             )
+            raise DomainError(message, name="wind_speed", value=max(self.wind, self.wind_24h), allowed=NAVY_AEROSOL_WIND)
         # IHAZE, ISEASN, IVULCN, ICSTL, ICLD and IVSA: seasons, volcanoes, clouds and army models are not used.
         numbers = f"{HAZES[self.haze]:5d}{0:5d}{0:5d}{self.air_mass:5d}{0:5d}{0:5d}"
         winds = f"{max(self.wind, 1e-3):10.5f}{max(self.wind_24h, 1e-3):10.5f}"

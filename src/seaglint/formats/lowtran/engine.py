@@ -326,7 +326,7 @@ def run_all(
     """
     start = last = time.monotonic()
     spectra: list[LowtranSpectrum] = []
-    pool = ThreadPoolExecutor(_processors())
+    pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
     try:
         for spectrum in pool.map(lambda case: run(program.program, case, timeout), cases):
             spectra.append(spectrum)
@@ -340,10 +340,6 @@ def run_all(
     finally:
         pool.shutdown(cancel_futures=True)
     return spectra
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _reason(error: Exception) -> str:

@@ -140,8 +140,7 @@ class Dump:
         )
 
 
-def _henyey_greenstein(asymmetry: FloatArray, angle: FloatArray) -> FloatArray:
-    g = asymmetry
+def _henyey_greenstein(g: FloatArray, angle: FloatArray) -> FloatArray:
     return np.asarray((1.0 - g**2) / (4.0 * np.pi * (1.0 + g**2 - 2.0 * g * np.cos(angle)) ** 1.5))
 
 
@@ -246,19 +245,11 @@ def lowtran_atmosphere(
     """
     (low, high), (lowest, highest) = LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS
     if not low <= band_um[0] < band_um[1] <= high:
-        raise DomainError(
-            f"band {band_um[0]:g}-{band_um[1]:g} um is outside {low:g}-{high:g} um of LOWTRAN7; narrow the band",
-            name="band_um",
-            value=band_um,
-            allowed=LOWTRAN_BAND_UM,
-        )
+        message = f"band {band_um[0]:g}-{band_um[1]:g} um is outside {low:g}-{high:g} um of LOWTRAN7; narrow the band"
+        raise DomainError(message, name="band_um", value=band_um, allowed=LOWTRAN_BAND_UM)
     if not lowest <= height <= highest:
-        raise DomainError(
-            f"sensor height = {height:g} m is outside {lowest:g}-{highest:g} m; choose a height inside it",
-            name="sensor_height",
-            value=height,
-            allowed=LOWTRAN_HEIGHTS,
-        )
+        message = f"sensor height = {height:g} m is outside {lowest:g}-{highest:g} m; choose a height inside it"
+        raise DomainError(message, name="sensor_height", value=height, allowed=LOWTRAN_HEIGHTS)
     grid = wavenumber_grid(*band_um, step_cm=float(STEP_CM))
     air = LowtranAir(model, aerosol, round(grid[0]), round(grid[-1]), tuple(levels))
     program = engine.engine()
@@ -267,8 +258,7 @@ def lowtran_atmosphere(
         return _results(cases, program, timeout, report)
 
     air_bends = results([LowtranCase(air, "path", height / 1e3, 180.0)]).refraction
-    depression = _path_depressions(air_bends, height)
-    path = results([LowtranCase(air, "path", height / 1e3, 90.0 + float(np.degrees(d))) for d in depression])
+    path = results([LowtranCase(air, "path", height / 1e3, 90.0 + float(np.degrees(d))) for d in _path_depressions(air_bends, height)])
     above = elevation_of_coordinate(np.linspace(0.0, 1.0, SUN_NODES), 0.0)
     sun = results([_up(air, "sun", 0.0, e) for e in above])
     sea_sky = results([_up(air, "sky", 0.0, e) for e in above])
@@ -344,8 +334,7 @@ def _sky_elevations(air: RefractingAir, height: float) -> tuple[FloatArray, tupl
     edges = [lowest, *(e for e in sorted(_grazing(air, height)) if lowest * (1.0 - 1e-3) < e < 0.002 * lowest), 0.0]
     share = grazing_share(np.linspace(0.0, 1.0, DIP_NODES))[:-1]
     below = [low + (high - low) * share for low, high in itertools.pairwise(edges)]
-    above = elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0)
-    return np.concatenate([*below, above]), tuple(edges[1:])
+    return np.concatenate([*below, elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0)]), tuple(edges[1:])
 
 
 def _grazing(air: RefractingAir, height: float) -> list[float]:

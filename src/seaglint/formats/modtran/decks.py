@@ -128,8 +128,7 @@ def needed_lines(air: RefractingAir, height: float, solar_zenith: float | None, 
     if solar_zenith is None:
         return [*paths, *sky, *suns]
     # Scattered sunlight depends on the azimuth from the Sun: each line is run at all azimuths.
-    lit = [ModtranCase(**{**asdict(line), "azimuth_deg": azimuth}) for line in (*paths, *sky) for azimuth in AZIMUTHS]
-    return [*lit, *suns]
+    return [*(ModtranCase(**{**asdict(line), "azimuth_deg": azimuth}) for line in (*paths, *sky) for azimuth in AZIMUTHS), *suns]
 
 
 def _path_cosines(air: RefractingAir, height: float, least: float) -> FloatArray:
@@ -163,15 +162,13 @@ def deck(
     """Return the text of a deck with a case for each line; LOWTRAN7 has 330 ppmv of carbon dioxide, whatever ``co2_ppmv`` is."""
     cases = []
     for i, line in enumerate(lines):
-        cards = [*_cards(line, air, solar_zenith_deg, co2_ppmv if modtran else None), f"{int(i + 1 < len(lines)):5d}"]
-        cases.append("\n".join(cards))
+        cases.append("\n".join([*_cards(line, air, solar_zenith_deg, co2_ppmv if modtran else None), f"{int(i + 1 < len(lines)):5d}"]))
     return "\n".join(cases) + "\n"
 
 
 def _cards(line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, co2_ppmv: float | None) -> Iterator[str]:
     modtran = co2_ppmv is not None
-    lit = line.azimuth_deg is not None and solar_zenith_deg is not None
-    mode = 3 if line.kind == "sun" else 2 if lit else 1
+    mode = 3 if line.kind == "sun" else 2 if line.azimuth_deg is not None and solar_zenith_deg is not None else 1
     kind, profile = (2 if line.kind == "path" else 3), air.levels
     model = 7 if profile else MODELS[air.model]
     between = f"{kind:5d}{mode:5d}" + f"{0:5d}" * 8 + f"{1 if profile else 0:5d}{0:5d}{LEAST_BOUNDARY_TEMPERATURE}"
@@ -186,14 +183,12 @@ def _cards(line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, c
         yield f"{len(profile):5d}{0:5d}{0:5d}sounding"
         yield from (level.card(MODELS[air.model]) for level in profile)
     # Card 3: H1, H2 and ANGLE; H2 is 0 also for paths to space, where ITYPE = 3 makes it unused.
-    card3 = fixed(line.height_m / 1e3) + fixed(0.0) + fixed(line.zenith_deg)
-    yield card3 + (f"{AT_1_AU:5d}" if mode == 3 else "")
+    yield fixed(line.height_m / 1e3) + fixed(0.0) + fixed(line.zenith_deg) + (f"{AT_1_AU:5d}" if mode == 3 else "")
     if mode == 2:
         # IPARM = 2: azimuth of the Sun from the line of sight, and its zenith angle, at H1; IPH = 2: Mie phase functions.
         yield f"{2:5d}{2:5d}{AT_1_AU:5d}{0:5d}"
         yield fixed(line.azimuth_deg or 0.0) + fixed(solar_zenith_deg or 0.0)
-    grid = f"{air.v1:10.1f}{air.v2:10.1f}{STEP_CM:10.1f}"
-    yield grid + (f"{FWHM_CM:10.1f}RW" if modtran else "")
+    yield f"{air.v1:10.1f}{air.v2:10.1f}{STEP_CM:10.1f}" + (f"{FWHM_CM:10.1f}RW" if modtran else "")
 
 
 def fixed(value: float) -> str:

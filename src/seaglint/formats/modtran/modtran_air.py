@@ -159,8 +159,7 @@ def _path_line(spectrum: ModtranSpectrum, sight: ModtranSight, height: float, az
             f"{spectrum.where}: goes from {height:g} m at a zenith angle of {sight.zenith_deg:g} deg to {1e3 * sight.end_km:g} m; paths "
             "go from the sensor down to the sea: H1 the sensor, H2 = 0, ANGLE above 90 deg"
         )
-    depression = np.radians(sight.zenith_deg - 90.0)
-    arc = float(surface_range(height, depression))
+    arc = float(surface_range(height, np.radians(sight.zenith_deg - 90.0)))
     if math.isnan(arc):
         limit = 90.0 + math.degrees(horizon_depression(height))
         raise DataError(
@@ -195,12 +194,11 @@ def _dataset(seen: list[_LineSpectrum]) -> xr.Dataset:
     from_sea = [s for s in seen if s.line.kind == "sky" and s.line.height_m <= 1e-3]
     from_sensor = [s for s in seen if s.line.kind == "sky" and s.line.height_m > 1e-3]
     suns = [s for s in seen if s.line.kind == "sun"]
-    needed = (
+    for group, what in (
         (paths, "paths from the sensor to the sea"),
         (from_sea, "sky seen from the sea (H1 = 0, ITYPE = 3)"),
         (suns, "zenith angles of the Sun (IEMSCT = 3)"),
-    )
-    for group, what in needed:
+    ):
         if len({_node(s.line) for s in group}) < 2:
             raise DataError(f"{_file(seen[0])}: holds fewer than 2 {what}; add them")
     out: dict[str, tuple[tuple[str, ...], FloatArray]] = {}
@@ -234,8 +232,7 @@ def _dataset(seen: list[_LineSpectrum]) -> xr.Dataset:
     if without_azimuth:
         attributes["cases_without_azimuth"] = without_azimuth
     # The longest path decides whether longer ones continue along the tangent.
-    lowest = max(paths, key=lambda s: _node(s.line)).line
-    if _reaches_horizon(lowest):
+    if _reaches_horizon(max(paths, key=lambda s: _node(s.line)).line):
         attributes["paths_reach_horizon"] = 1
     return xr.Dataset(
         {name: (dims, np.maximum(values, 0.0), {"units": _unit(name)}) for name, (dims, values) in out.items()},

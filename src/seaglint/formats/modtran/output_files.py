@@ -80,8 +80,7 @@ def read_csv(path: Path, text: str) -> list[ModtranSpectrum]:
         elif not _FRAME.match(line):
             if not cases:
                 raise DataError(f"{path}: line {number}: numbers before a line of column names; give the CSV file as MODTRAN 6 wrote it")
-            cells = cells_of(path, number, line, remedy="give the CSV file as MODTRAN 6 wrote it")
-            cases[-1][2].append([str(number), *cells])
+            cases[-1][2].append([str(number), *cells_of(path, number, line, remedy="give the CSV file as MODTRAN 6 wrote it")])
     if not cases:
         raise DataError(f"{path}: has no line of column names (FREQ, TOT_TRANS, ...); give MODTRAN 6's CSV output (CSVPRNT)")
     return [spectrum_of(_csv_table(path, i, *case)) for i, case in enumerate(cases, 1)]
@@ -107,8 +106,7 @@ def _csv_table(path: Path, number: int, header: int, labels: list[str], rows: li
             except ValueError:
                 shown = " ".join(cells[k].split())[:40]
                 raise DataError(f"{where}: line {line}: {labels[k]} = '{shown}' is not a number; run the case again") from None
-    first = int(rows[0][0])
-    return Table(path, f"case {number}", {name: np.array(values) for name, values in columns.items()}, tuple(labels), None, first)
+    return Table(path, f"case {number}", {name: np.array(values) for name, values in columns.items()}, tuple(labels), None, int(rows[0][0]))
 
 
 #: Mode (IEMSCT) by its name in MODTRAN 6.
@@ -237,8 +235,7 @@ class _Label:
 
 def is_tape7(path: Path, head: str) -> bool:
     """Return true where a text file is a tape7 by its name or its column names."""
-    name = path.name.lower()
-    return path.suffix.lower() in ENDINGS or name.startswith("tape7") or any(map(_is_header, head.splitlines()))
+    return path.suffix.lower() in ENDINGS or path.name.lower().startswith("tape7") or any(map(_is_header, head.splitlines()))
 
 
 def _is_header(line: str) -> bool:
@@ -267,8 +264,7 @@ def read_tape7(path: Path, text: str) -> list[ModtranSpectrum]:
             )
         if any(_END.match(line) for line in lines[last + 1 : head]):
             raise DataError(f"{path}: line {head + 1}: a case before case {number} has no spectrum; its run failed: mend its deck")
-        cards = [line for line in lines[last + 1 : head] if line.strip()]
-        spectra.append(spectrum_of(_table(path, number, lines, (head, end), cards)))
+        spectra.append(spectrum_of(_table(path, number, lines, (head, end), [line for line in lines[last + 1 : head] if line.strip()])))
         last = end
     if any(line.strip() for line in lines[last + 1 :]):
         raise DataError(

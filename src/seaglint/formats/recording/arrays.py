@@ -250,8 +250,7 @@ def open_numpy(path: Path, how: ArrayReading) -> Recording:
     if isinstance(loaded, np.ndarray):
         return of_array(loaded, str(path), how)
     sizes = {name: _npz_shape(path, name) for name in loaded.files}
-    images = {name: shape for name, shape in sizes.items() if shape is None or len(shape) >= 2}
-    name = choose(images, how.variable, path)
+    name = choose({name: shape for name, shape in sizes.items() if shape is None or len(shape) >= 2}, how.variable, path)
     try:
         array = loaded[name]
         rate = frame_rate_of({key: loaded[key] for key in RATE_NAMES if sizes.get(key) in ((), (1,))})
@@ -265,8 +264,7 @@ def _npz_shape(path: Path, name: str) -> tuple[int, ...] | None:
     try:
         with zipfile.ZipFile(path) as archive, archive.open(f"{name}.npy") as file:
             version = np.lib.format.read_magic(file)
-            header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-            return tuple(header(file)[0])
+            return tuple((np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0)(file)[0])
     except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error):
         return None
 

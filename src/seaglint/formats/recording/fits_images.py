@@ -63,7 +63,7 @@ def open_fits(path: Path, how: ArrayReading) -> Recording:
         recording = _image(images[chosen[0]], f"{path}:{labels[chosen[0]]}", how)
     except (TypeError, ValueError, OSError) as error:
         raise DataError(f"{path}: is cut ({error}); copy it again") from error
-    others = [f"{labels[i]} ({_size(images[i])})" for i in images if i != chosen[0]]
+    others = [f"{labels[i]} ({' x '.join(map(str, images[i].shape))})" for i in images if i != chosen[0]]
     if others and how.variable is None:
         listed = ", ".join(others[:_LISTED]) + (", ..." if len(others) > _LISTED else "")
         alike = [labels[i].partition(",")[0] for i in images]
@@ -75,10 +75,6 @@ def open_fits(path: Path, how: ArrayReading) -> Recording:
 
 def _has_data(hdu: Any) -> bool:
     return all(int(hdu.header.get(f"NAXIS{i + 1}", 0)) > 0 for i in range(int(hdu.header["NAXIS"])))
-
-
-def _size(hdu: Any) -> str:
-    return " x ".join(str(n) for n in hdu.shape)
 
 
 def _labels(images: dict[int, Any]) -> dict[int, str]:

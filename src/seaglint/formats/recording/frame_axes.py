@@ -139,8 +139,7 @@ def _usual(shape: tuple[int, ...], source: str, default: str) -> str:
         if letters.count("?") < 2:  # a picture of one row or column
             letters = ["1"] * (count - 2) + ["?", "?"]
     open_axes = [i for i, letter in enumerate(letters) if letter == "?"]
-    sizes = [shape[i] for i in open_axes]
-    order = _order(sizes, default)
+    order = _order([shape[i] for i in open_axes], default)
     if order is None:
         raise DataError(
             f"{source}: has shape {shape}; give (rows, columns) or (frames, rows, columns), or the order of its axes: axes = 'tcyx' for "
@@ -265,8 +264,7 @@ def rate_of_times(times: NDArray[Any], attributes: Mapping[Any, Any]) -> tuple[f
     mean = float(np.mean(steps))
     if not mean > 0.0:
         return None, "times do not rise: they give no frame rate; give --frame-rate"
-    rounding = unit if whole else 0.0
-    if float(np.max(np.abs(steps - mean))) > max(SAME * mean, 1.001 * rounding):
+    if float(np.max(np.abs(steps - mean))) > max(SAME * mean, 1.001 * (unit if whole else 0.0)):
         apart = f"frames are {1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms apart"
         return None, f"{apart}: they have no one frame rate; give --frame-rate"
     return 1.0 / mean, None

@@ -179,8 +179,7 @@ def _picture(attributes: Attributes, decoding: Decoding, dtype: np.dtype[Any], s
     """Honour the attributes of an HDF5 image (HDF5 image and palette specification, version 1.2)."""
     if text_of(attributes.get("CLASS")) != "IMAGE":
         return decoding, ()
-    kind = text_of(attributes.get("IMAGE_SUBCLASS"))
-    if kind == "IMAGE_INDEXED":
+    if text_of(attributes.get("IMAGE_SUBCLASS")) == "IMAGE_INDEXED":
         raise DataError(f"{source}: holds indices of a palette (IMAGE_INDEXED), which are no measure of radiance; give the grey original")
     if text_of(attributes.get("INTERLACE_MODE")) == "INTERLACE_LINE":
         raise DataError(f"{source}: has channels line by line (INTERLACE_LINE), which is not read; write them as INTERLACE_PIXEL")
@@ -309,7 +308,8 @@ def open_zarr(path: Path, how: ArrayReading, *, ours: bool = False) -> Recording
     except Exception as error:
         drop_quietly(error)
         labelled = False
-    arrays = {str(name): member for name, member in _members(node) if _can_be_images(member)}
+    members = node.members(max_depth=None)
+    arrays = {str(name): member for name, member in members if isinstance(member, zarr.Array) and _can_be_images(member)}
     if labelled:
         name = _chosen(dataset, how.variable, str(path))
         if ours or name not in arrays:
@@ -322,12 +322,6 @@ def open_zarr(path: Path, how: ArrayReading, *, ours: bool = False) -> Recording
         return of_dataset(dataset, str(path), how).with_notes(*_fill_notes(arrays[name], how.missing))
     name = choose(arrays, how.variable, path)
     return _of_zarr_array(arrays[name], f"{path}:{name}", how)
-
-
-def _members(group: Any) -> list[tuple[str, Any]]:
-    import zarr
-
-    return [(name, member) for name, member in group.members(max_depth=None) if isinstance(member, zarr.Array)]
 
 
 def _can_be_images(array: Any) -> bool:
@@ -364,8 +358,7 @@ def _fill_notes(array: Any, masked: tuple[float, ...]) -> tuple[str, ...]:
     fill = array.fill_value
     if there < whole:
         notes.append(unwritten_note(whole - there, whole, fill))
-    dtype = np.dtype(array.dtype)
-    if fill is None or _states_missing(attributes) or not in_type([fill], dtype) or fill in masked:
+    if fill is None or _states_missing(attributes) or not in_type([fill], np.dtype(array.dtype)) or fill in masked:
         return tuple(notes)
     if array.metadata.zarr_format == 3 and fill == 0:
         return tuple(notes)

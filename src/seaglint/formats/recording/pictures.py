@@ -197,8 +197,7 @@ def _rate(durations: list[float], form: str) -> tuple[float | None, tuple[str, .
     """Return the frame rate [Hz] of an animation whose frames last as long as each other."""
     if not durations or min(durations) <= 0.0:
         return None, ()
-    spread = max(durations) - min(durations)
-    if spread > (_UNEVEN_GIF if form == "GIF" else 1e-3 * max(durations)):
+    if max(durations) - min(durations) > (_UNEVEN_GIF if form == "GIF" else 1e-3 * max(durations)):
         return None, (f"frames last {min(durations):g} to {max(durations):g} ms: they have no one frame rate",)
     return 1000.0 * len(durations) / sum(durations), ()
 
@@ -269,19 +268,14 @@ def _decoded(path: Path) -> NDArray[Any]:
     try:
         header = _png_header(path)
         if header is not None and header.depth == 16 and header.colour != 0:
-            return _deep_png(path)
+            # Pillow reduces colours, or grey and alpha, of 16 bits each to 8.
+            return np.asarray(optional("imagecodecs", f"{path}: colour of 16 bits").png_decode(path.read_bytes()))
         with Image.open(path, formats=_FORMATS) as image:
             return _numbers(image, path)
     except (BackendError, DataError):
         raise
     except Exception as error:
         raise _undecodable(path, error) from error
-
-
-def _deep_png(path: Path) -> NDArray[Any]:
-    """Return colours or grey and alpha of 16 bits each, which Pillow reduces to 8."""
-    imagecodecs = optional("imagecodecs", f"{path}: colour of 16 bits")
-    return np.asarray(imagecodecs.png_decode(path.read_bytes()))
 
 
 def _png_header(path: Path) -> _PngHeader | None:
@@ -315,8 +309,7 @@ def _png_header(path: Path) -> _PngHeader | None:
 def _transparent(header: _PngHeader, content: bytes, path: Path) -> _PngHeader:
     if header.colour != 0 or len(content) < 2:
         return header
-    missing = float(struct.unpack(">H", content[:2])[0])
-    return replace(header, decoding=replace(header.decoding, missing=(missing,)))
+    return replace(header, decoding=replace(header.decoding, missing=(float(struct.unpack(">H", content[:2])[0]),)))
 
 
 def _gamma(header: _PngHeader, content: bytes, path: Path) -> _PngHeader:
@@ -338,8 +331,7 @@ def _calibration(header: _PngHeader, content: bytes, path: Path) -> _PngHeader:
         )
     zero, slope = (float(text) for text in parameters[:2])
     # The numbers of the file span first to last, to which the equation p0 + p1 n / (last - first) is applied.
-    full = 2**header.depth - 1
-    line = replace(header.decoding, scale=slope / full, offset=zero + slope * first / (last - first))
+    line = replace(header.decoding, scale=slope / (2**header.depth - 1), offset=zero + slope * first / (last - first))
     return replace(header, decoding=line, units=units.decode("latin-1").strip() or None)
 
 

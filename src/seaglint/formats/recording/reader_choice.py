@@ -47,7 +47,7 @@ def open_images(paths: Sequence[Path], channel: str | None, missing: tuple[float
     DataError
         A file that cannot be decoded, or files of different sizes, number types or units.
     """
-    files = [_look(path, channel) for path in paths]
+    files = [open_tiff(path, channel) if path.suffix.lower() in TIFF_ENDINGS else open_picture(path) for path in paths]
     files = [replace(file, decoding=file.decoding.with_missing(missing, file.dtype)) for file in files]
     first = files[0]
     for other in files[1:]:
@@ -72,10 +72,6 @@ def _recording(file: PictureFile, channel: str | None) -> Recording:
         return file.decoding.values(stored if stored.ndim == 3 else grey(stored, str(file.path), channel))
 
     return Recording(str(file.path), file.frames, file.rows, file.columns, read, file.frame_rate, file.units, file.saturation, offset=0.0)
-
-
-def _look(path: Path, channel: str | None) -> PictureFile:
-    return open_tiff(path, channel) if path.suffix.lower() in TIFF_ENDINGS else open_picture(path)
 
 
 def _require_alike(first: PictureFile, other: PictureFile) -> None:

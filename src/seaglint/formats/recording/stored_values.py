@@ -256,8 +256,7 @@ def of_attributes(attributes: Mapping[Any, Any], dtype: np.dtype[Any], source: s
     missing = in_type(as_stored([*_numbers(attributes, "_FillValue", source), *_numbers(attributes, "missing_value", source)]), kind)
     scale, offset = _single(attributes, "scale_factor", 1.0, source), _single(attributes, "add_offset", 0.0, source)
     low, high = _valid_range(attributes, kind, scale, offset, source, as_stored)
-    notes = _other_names(attributes, scale, offset, source)
-    return Decoding(missing, low, high, scale, offset, unsigned=unsigned), notes
+    return Decoding(missing, low, high, scale, offset, unsigned=unsigned), _other_names(attributes, scale, offset, source)
 
 
 def _other_sign(word: Any, dtype: np.dtype[Any], source: str) -> np.dtype[Any] | None:

@@ -75,8 +75,7 @@ class TiffFacts(ValueFacts):
             if line is not None:
                 lines["ImageJ's calibration"] = line
         bands = _gdal_lines(page, source)
-        scaled = any(line[:2] != (1.0, 0.0) for line in bands)
-        if scaled and lines:
+        if any(line[:2] != (1.0, 0.0) for line in bands) and lines:
             lines["GDAL's metadata"] = bands[0][:2]
         first, offset = _one_line(lines, source)
         rate, notes = one_rate(_rates(file, page, own, imagej))
@@ -340,8 +339,7 @@ def open_tiff(path: Path, channel: str | None) -> PictureFile:
             if any(text in message for message in messages.texts for text in _BEYOND_THE_END):
                 raise DataError(f"{path}: points to pages or tags beyond its end; the file is cut: copy it again")
             page = file.pages[frames.keys[0]].keyframe  # further pages of a stack have no tags of their own
-            facts = TiffFacts.of(file, page, str(path))
-            return _picture_file(path, page, frames, facts, channel)
+            return _picture_file(path, page, frames, TiffFacts.of(file, page, str(path)), channel)
     except DataError:
         raise
     except Exception as error:
@@ -372,8 +370,7 @@ def _require_whole(file: Any, path: Path, frames: _StackFrames) -> None:
 def _shape_of(description: str) -> tuple[int, ...]:
     """Return the shape that tifffile's own description states, empty for any other."""
     try:
-        shape = json.loads(description)["shape"]
-        return tuple(int(size) for size in shape)
+        return tuple(int(size) for size in json.loads(description)["shape"])
     except (ValueError, TypeError, KeyError):
         return ()
 

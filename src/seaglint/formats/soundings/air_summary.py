@@ -90,8 +90,7 @@ class AirSummary:
         """Return the ozone of the air from the first level at or above a height on [Dobson units, from m]."""
         air = self.profile
         above = air.height >= height
-        rows = (air.height, air.pressure, air.temperature, air.gas[GASES.index("O3")])
-        return ozone_dobson(*(row[above] for row in rows))
+        return ozone_dobson(*(row[above] for row in (air.height, air.pressure, air.temperature, air.gas[GASES.index("O3")])))
 
     @property
     def lines(self) -> list[str]:

@@ -57,8 +57,7 @@ def is_sonde(data: Any) -> bool:
     """Return true for a dataset whose pressures and temperatures are records along one dimension."""
     if any(name in data.dims and name in data.variables for name in LEVEL_DIMENSIONS):
         return False
-    kinds = {column.kind for column in _columns(data)}
-    return {"pressure", "temperature"} <= kinds
+    return {"pressure", "temperature"} <= {column.kind for column in _columns(data)}
 
 
 def _columns(data: Any) -> list[SoundingColumn]:
@@ -81,8 +80,7 @@ def numeric_variables(data: Any) -> tuple[list[str], list[str]]:
     """Return the names of all variables of a dataset, empty for those without levels of numbers, and their units."""
     names, units = [], []
     for name in map(str, data.variables):
-        levels = data[name].ndim > 0 and np.issubdtype(data[name].dtype, np.number)
-        names.append(name if levels else "")
+        names.append(name if data[name].ndim > 0 and np.issubdtype(data[name].dtype, np.number) else "")
         units.append(str(data[name].attrs.get("units", "")))
     return names, units
 
@@ -142,7 +140,7 @@ def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: da
             return read_sonde(path, plain)
     with open_netcdf(path, decode_times=True) as data:
         needed = {"level": LEVEL_DIMENSIONS, "height": HEIGHTS, "temperature": TEMPERATURES}
-        names = {what: _first(data, known) for what, known in needed.items()}
+        names = {what: next((name for name in known if name in data.variables), None) for what, known in needed.items()}
         moist = next((name for name in MOISTURES if name in data), None)
         missing = [f"{what} ({', '.join(known[:2])})" for what, known in needed.items() if names[what] is None]
         missing += [] if moist else ["humidity (q, r)"]
@@ -151,8 +149,7 @@ def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: da
         at, notes = _selected(path, data, place, time, remedy)
         column = {what: _floats(at, name) for what, name in names.items() if name is not None}
         height = column["height"]
-        units = str(data[names["height"]].attrs.get("units", ""))
-        if names["height"] in ("z", "geopotential") and units != "m":
+        if names["height"] in ("z", "geopotential") and str(data[names["height"]].attrs.get("units", "")) != "m":
             height = height / 9.80665  # geopotential [m2 s-2] over standard gravity is geopotential height
         pressure = column["level"]
         if str(data[names["level"]].attrs.get("units", "hPa")) == "Pa" or pressure.max() > 2000.0:
@@ -175,10 +172,6 @@ def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: da
 
 def _floats(data: Any, name: str) -> FloatArray:
     return np.asarray(data[name].values, dtype=np.float64).ravel()
-
-
-def _first(data: Any, known: tuple[str, ...]) -> str | None:
-    return next((name for name in known if name in data.variables), None)
 
 
 def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: datetime | None, remedy: str) -> tuple[Any, tuple[str, ...]]:
@@ -327,7 +320,6 @@ def _raw(path: Path, content: bytes, place: tuple[float, float] | None, time: da
     if content.startswith(NETCDF_MAGIC) or path.suffix.lower() in (".nc", ".nc4", ".cdf"):
         return read_netcdf_sounding(path, place, time, remedy)
     from seaglint.formats.soundings import text_soundings
-    from seaglint.formats.soundings.text_soundings import read_sounding_table
 
     text = sounding_text(path, content)
     lines = text.splitlines()
@@ -343,7 +335,7 @@ def _raw(path: Path, content: bytes, place: tuple[float, float] | None, time: da
         return text_soundings.read_avaps_record(path, lines)
     if text_soundings.is_iem_json(text):
         return text_soundings.read_iem_json(path, text, time)
-    return read_sounding_table(path, text)
+    return text_soundings.read_sounding_table(path, text)
 
 
 def sounding_text(path: Path, content: bytes) -> str:
@@ -359,8 +351,7 @@ def sounding_text(path: Path, content: bytes) -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        controls = sum(content[:4096].count(bytes([code])) for code in (*range(9), *range(14, 32)))
-        if controls:
+        if sum(content[:4096].count(bytes([code])) for code in (*range(9), *range(14, 32))):
             raise DataError(
                 f"{path}: is no text (byte {error.start}); it needs levels of pressure, height, temperature and humidity"
             ) from None
@@ -416,8 +407,7 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
     # The air between the sea and the first level is continued with its temperature and humidity, hydrostatically.
     if lowest > 0.0:
         warm = float(virtual_temperature(kelvin[0], pressure[0], humidity[0]))
-        at_sea = float(pressure[0]) * math.exp(GRAVITY * lowest / (DRY_AIR * warm))
-        height, pressure = np.append(0.0, height), np.append(at_sea, pressure)
+        height, pressure = np.append(0.0, height), np.append(float(pressure[0]) * math.exp(GRAVITY * lowest / (DRY_AIR * warm)), pressure)
         kelvin, humidity = np.append(kelvin[0], kelvin), np.append(humidity[0], humidity)
         ozone = None if ozone is None else np.append(ozone[0], ozone)
         if lowest > 2.0:

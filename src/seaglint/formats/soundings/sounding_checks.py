@@ -70,11 +70,9 @@ def check_hydrostatics(path: Path, raw: RawSounding, humidity: FloatArray) -> fl
     DataError
         With both numbers and the suspicion.
     """
-    thick = hydrostatic_thickness(raw, humidity)
-    sums, z, p = np.concatenate([[0.0], np.cumsum(thick)]), raw.height, raw.pressure
+    sums, z, p = np.concatenate([[0.0], np.cumsum(hydrostatic_thickness(raw, humidity))]), raw.height, raw.pressure
     whole = float((z[-1] - z[0]) / sums[-1] - 1.0)
-    slack = _slack(raw, 0, z.size - 1)
-    if abs(whole) > HYDROSTATIC and abs(z[-1] - z[0] - sums[-1]) > slack:
+    if abs(whole) > HYDROSTATIC and abs(z[-1] - z[0] - sums[-1]) > _slack(raw, 0, z.size - 1):
         _refuse(path, raw, 0, z.size - 1, float(sums[-1]))
     for start, end in _spans(z, sums):
         given, ours = z[end] - z[start], sums[end] - sums[start]
@@ -276,8 +274,7 @@ def _merged(raw: RawSounding, humidity: FloatArray) -> tuple[RawSounding, FloatA
         known = np.isfinite(values)
         # Missing values do not count in the mean of a height.
         count = np.add.reduceat(known.astype(np.float64), first)
-        total = np.add.reduceat(np.where(known, values, 0.0), first)
-        return np.where(count > 0.0, total / np.maximum(count, 1.0), np.nan)
+        return np.where(count > 0.0, np.add.reduceat(np.where(known, values, 0.0), first) / np.maximum(count, 1.0), np.nan)
 
     raw = replace(
         raw,
@@ -303,8 +300,7 @@ def _falling(raw: RawSounding) -> tuple[FloatArray, int]:
         return p, 0
     ends = np.concatenate([starts[1:], [p.size]]) - 1
     count, value = ends - starts + 1, p[starts]
-    spread = np.maximum.reduceat(raw.pressure, starts) - value
-    half = np.maximum(0.5 * raw.resolution[0], spread)
+    half = np.maximum(0.5 * raw.resolution[0], np.maximum.reduceat(raw.pressure, starts) - value)
     half = np.minimum(half, 0.5 * value)
     gap = 0.5 * (value[:-1] - value[1:])
     between = 0.5 * (z[ends[:-1]] + z[starts[1:]])
@@ -391,8 +387,7 @@ def _check_temperatures(path: Path, raw: RawSounding) -> None:
     if high > WARMEST_K or low < COLDEST_K:
         bad = high if high > WARMEST_K else low
         cold = _fahrenheit(kelvin - ZERO_C)
-        inside = bool(np.min(cold) > 170.0 and np.max(cold) < 330.0)
-        if inside and not span_misfit(raw, cold) > 1.5 * HYDROSTATIC:
+        if bool(np.min(cold) > 170.0 and np.max(cold) < 330.0) and not span_misfit(raw, cold) > 1.5 * HYDROSTATIC:
             raise DataError(f"{path}: {name} holds {bad - ZERO_C:.1f} C, which no air has; are temperatures in Fahrenheit?")
         raise DataError(f"{path}: {name} holds {bad:.1f} K ({bad - ZERO_C:.1f} C), which no air has; is it the right column and unit?")
 
@@ -401,8 +396,7 @@ def _check_humidity(path: Path, raw: RawSounding) -> None:
     """Refuse relative humidities that are a share, or impossible."""
     name, value = raw.names["humidity"], raw.humidity_value
     high, low = float(np.nanmax(value)), float(np.nanmin(value))
-    deep = bool(np.max(raw.pressure[np.isfinite(value)]) > 500.0)
-    if high <= 1.2 and deep:
+    if high <= 1.2 and bool(np.max(raw.pressure[np.isfinite(value)]) > 500.0):
         raise DataError(f"{path}: {name} is {high:g} at most; is relative humidity a share (0.8 for 80 %)? % are needed")
     if high > 110.0 or low < 0.0:
         bad = high if high > 110.0 else low
@@ -412,8 +406,7 @@ def _check_humidity(path: Path, raw: RawSounding) -> None:
 def _check_dew_points(path: Path, raw: RawSounding) -> None:
     """Refuse dew points above the temperature of the air, with the suspected quantity or unit."""
     name = raw.names["humidity"]
-    known = np.isfinite(raw.humidity_value)
-    part = raw.at(known)
+    part = raw.at(np.isfinite(raw.humidity_value))
     value, kelvin = part.humidity_value, part.temperature
     if float(np.max(value)) > 400.0:
         raise DataError(f"{path}: {name} is {float(np.max(value)) - ZERO_C:g} in Celsius; are dew points in kelvin?")

@@ -83,8 +83,7 @@ class RawSounding:
                 if self.humidity == "specific_humidity":
                     ratio = self.humidity_value / (1.0 - self.humidity_value)
                 partial = 100.0 * self.pressure * ratio / (0.62198 + ratio)
-                saturated = 1e-3 * saturation_density(self.temperature) * VAPOUR_CONSTANT * self.temperature
-                out = 100.0 * partial / saturated
+                out = 100.0 * partial / (1e-3 * saturation_density(self.temperature) * VAPOUR_CONSTANT * self.temperature)
         return np.asarray(np.clip(out, 0.0, 100.0))
 
 
@@ -206,6 +205,12 @@ KELVIN_FROM: Final = 130.0  #: Median of a temperature without a unit from which
 
 ZERO_C: Final = 273.15
 
+#: Factors of pressures to hPa and of heights to m by their unit.
+FACTORS: Final = {"pa": 0.01, "kpa": 10.0, "ft": 0.3048, "km": 1e3}
+
+#: Factors of humidities to their usual unit by kind and unit.
+HUMIDITY_FACTORS: Final = {("specific", "g/kg"): 1e-3, ("humidity", "1"): 100.0, ("mixing", "kg/kg"): 1e3}
+
 
 def plain_name(text: str) -> str:
     """Return a column name in lower case with single underscores.
@@ -252,32 +257,15 @@ class SoundingColumn:
             unit = "k" if known.size and float(np.median(known)) >= KELVIN_FROM else "c"
         if self.kind == "depression":  # a difference of temperatures has no zero point
             return values / 1.8 if unit == "f" else values
-        match unit:
-            case "c":
-                return values + ZERO_C
-            case "f":
-                return (values - 32.0) / 1.8 + ZERO_C
-            case "pa":
-                return 0.01 * values
-            case "kpa":
-                return 10.0 * values
-            case "ft":
-                return 0.3048 * values
-            case "km":
-                return 1e3 * values
-            case "g/kg" if self.kind == "specific":
-                return 1e-3 * values
-            case "1" if self.kind == "humidity":
-                return 100.0 * values
-            case "kg/kg" if self.kind == "mixing":
-                return 1e3 * values
-            case _:
-                return values
+        if unit in ("c", "f"):
+            return values + ZERO_C if unit == "c" else (values - 32.0) / 1.8 + ZERO_C
+        factor = FACTORS.get(unit) or HUMIDITY_FACTORS.get((self.kind, unit))
+        return values if factor is None else factor * values
 
     @property
     def factor(self) -> float:
         """Size of a step of the file's numbers in hPa or m."""
-        return {"pa": 0.01, "kpa": 10.0, "ft": 0.3048, "km": 1e3}.get(self.unit or "", 1.0)
+        return FACTORS.get(self.unit or "", 1.0)
 
 
 def sounding_column(place: int, name: str, unit: str | None = None) -> SoundingColumn | None:
@@ -286,7 +274,7 @@ def sounding_column(place: int, name: str, unit: str | None = None) -> SoundingC
     if plain in FIXED:
         kind, own = FIXED[plain]
         return SoundingColumn(place, kind, own, name, False, 0)
-    for base, own_unit in _readings(plain):
+    for base, own_unit in [(plain, None), *_splits(plain, UNITS)]:
         for kind, (_, names) in QUANTITIES.items():
             if base in names:
                 chosen = own_unit or unit
@@ -297,11 +285,6 @@ def sounding_column(place: int, name: str, unit: str | None = None) -> SoundingC
                 chosen = chosen or DEFAULTS.get(kind)
                 return SoundingColumn(place, kind, chosen, name, base in GEOPOTENTIAL, names.index(base))
     return None
-
-
-def _readings(plain: str) -> list[tuple[str, str | None]]:
-    """Return readings of a plain name as name and unit: whole without a unit, then with its last words as the unit."""
-    return [(plain, None), *_splits(plain, UNITS)]
 
 
 def _splits(plain: str, units: Mapping[str, str]) -> list[tuple[str, str]]:
@@ -421,26 +404,10 @@ class OzoneColumn:
         >>> OzoneColumn(0, "ozone_mpa", "mPa").in_ppmv(np.array([10.0]), np.array([50.0]))
         array([2.])
         """
-        match self.unit:
-            case "kg/kg":
-                return 1e6 * MOLAR * values
-            case "mPa":  # partial over total pressure, 1 mPa being 1e-5 hPa
-                return 10.0 * values / np.where(pressure > 0.0, pressure, np.nan)
-            case "ppbv":
-                return 1e-3 * values
-            case "mol/mol":
-                return 1e6 * values
-            case _:
-                return values
-
-
-def _is_ozone(plain: str) -> bool:
-    return plain.startswith(("ozone", "o3", "go3")) or not {"ozone", "o3"}.isdisjoint(plain.split("_"))
-
-
-def _base_and_unit(plain: str) -> tuple[str, str | None]:
-    """Return a name without its unit, and the unit."""
-    return next(iter(_splits(plain, OZONE_UNITS)), (plain, None))
+        if self.unit == "mPa":  # partial over total pressure, 1 mPa being 1e-5 hPa
+            return 10.0 * values / np.where(pressure > 0.0, pressure, np.nan)
+        factor = {"kg/kg": 1e6 * MOLAR, "ppbv": 1e-3, "mol/mol": 1e6}.get(self.unit)
+        return values if factor is None else factor * values
 
 
 #: Names of the amount of ozone, without its unit; an ozone column of another name is one of errors, currents or flags.
@@ -475,9 +442,9 @@ def ozone_columns(
     plain = [plain_name(name) for name in names]
     separate = units if units is not None and len(units) == len(names) else [""] * len(names)
     for place, name in enumerate(plain):
-        if not _is_ozone(name):
+        if not name.startswith(("ozone", "o3", "go3")) and {"ozone", "o3"}.isdisjoint(name.split("_")):
             continue
-        base, own = _base_and_unit(name)
+        base, own = next(iter(_splits(name, OZONE_UNITS)), (name, None))
         other = OZONE_UNITS.get(plain_name(re.sub(r"\s+", "_", separate[place].strip())))
         if base not in AMOUNTS or (own or other) is None:
             unknown.append(place)

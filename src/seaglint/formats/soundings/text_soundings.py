@@ -86,14 +86,11 @@ def read_sounding_table(path: Path, text: str) -> RawSounding:
         raise DataError(f"{path}: has column names and no rows; it needs levels")
     numbers, digits = _numbers(path, heading, rows, [*columns, *ozone])
     named = {plain_name(column.name) for column in columns}
-    form = "AVAPS (EOL sounding format)" if _is_eol(lines[: heading.place]) else "table with a line of column names"
+    is_eol = any("EOL Sounding Format" in line or "AVAPS" in line for _, line in lines[: heading.place])
+    form = "AVAPS (EOL sounding format)" if is_eol else "table with a line of column names"
     # siphon's data frames of University of Wyoming's list: geopotential heights, and no unit in any name
     frame = {"pressure", "height", "temperature", "dewpoint"} <= named
     return with_ozone(sounding_of(form, columns, numbers, digits, geopotential=frame), ozone, numbers)
-
-
-def _is_eol(header: list[tuple[int, str]]) -> bool:
-    return any("EOL Sounding Format" in line or "AVAPS" in line for _, line in header)
 
 
 def _is_rule(line: str) -> bool:
@@ -115,8 +112,7 @@ def _heading(path: Path, lines: list[tuple[int, str]]) -> _Heading:
             if separator is not None and separator not in line:
                 continue
             heading = _as_heading(path, lines, place, separator)
-            kinds = {column.kind for column in columns_of(heading.names, heading.units)}
-            if {"pressure", "temperature"} <= kinds:
+            if {"pressure", "temperature"} <= {column.kind for column in columns_of(heading.names, heading.units)}:
                 return heading
     line = lines[0][1]
     separator = max((s for s in SEPARATORS if s is not None), key=line.count)
@@ -152,8 +148,7 @@ def _counts(rows: list[str]) -> bool:
 def _aligned(line: str, names: list[str], units: list[str] | None, count: int) -> tuple[list[str], list[str] | None]:
     """Return names and units of columns separated by blanks, as many as the cells of a row: names may hold single blanks."""
     spaced = [name.strip() for name in re.split(r"\s{2,}|\t", line.strip()) if name.strip()]
-    joined = _TWO_WORDS.sub(r"\1_\2", line).split()
-    for candidate in (names, joined, spaced):
+    for candidate in (names, _TWO_WORDS.sub(r"\1_\2", line).split(), spaced):
         if len(candidate) == count:
             names = candidate
             break
@@ -182,8 +177,7 @@ def _require(path: Path, heading: _Heading, columns: list[SoundingColumn]) -> No
         if what not in present
     ]
     if missing:
-        used = [column.name for column in columns]
-        alike = _alike(heading.names, used, missing)
+        alike = _alike(heading.names, [column.name for column in columns], missing)
         shown = ", ".join(name for name in heading.names if name)
         shown = f"{shown[:MOST_SHOWN]}..." if len(shown) > MOST_SHOWN else shown
         raise DataError(f"{path}: line {heading.number}: columns are {shown}; missing: {', '.join(missing)}{alike}")
@@ -272,8 +266,7 @@ def rounding(texts: list[str]) -> float:
     >>> rounding(["1013.2", "1000"])
     0.1
     """
-    most = max((len(_with_point(text).partition(".")[2]) for text in texts if "e" not in text.lower()), default=0)
-    return float(10.0 ** -min(most, 6))
+    return float(10.0 ** -min(max((len(_with_point(text).partition(".")[2]) for text in texts if "e" not in text.lower()), default=0), 6))
 
 
 #: Difference from the time requested that is reported [s]: half of the time between two ascents of a day's four.
@@ -286,8 +279,7 @@ def nearest_time(times: Sequence[datetime | None], time: datetime | None) -> int
     """Return the index of the time nearest to a requested one; 0 without a request."""
     if time is None:
         return 0
-    gaps = [abs((t - time).total_seconds()) if t is not None else np.inf for t in times]
-    return int(np.argmin(gaps))
+    return int(np.argmin([abs((t - time).total_seconds()) if t is not None else np.inf for t in times]))
 
 
 def choice_note(what: str, when: datetime | None, others: int, requested: datetime | None) -> tuple[str, ...]:
@@ -341,8 +333,7 @@ def read_sharppy(path: Path, lines: list[str], time: datetime | None) -> RawSoun
         raise DataError(f"{path}: has no levels after %RAW%; give a whole file")
     note = choice_note("the sounding", times[chosen], len(starts) - 1, time)
     columns = np.array(rows).T
-    steps = (rounding([row[0] for row in texts]), rounding([row[1] for row in texts]))
-    return _of_station("SHARPpy's text", columns, note, steps)
+    return _of_station("SHARPpy's text", columns, note, (rounding([row[0] for row in texts]), rounding([row[1] for row in texts])))
 
 
 def _of_station(kind: str, columns: FloatArray, notes: tuple[str, ...], steps: tuple[float, float]) -> RawSounding:
@@ -356,11 +347,8 @@ def _of_station(kind: str, columns: FloatArray, notes: tuple[str, ...], steps: t
 
 
 def _title_time(lines: list[str]) -> datetime | None:
-    for line in lines:
-        match = re.search(r"\b(\d{6})/(\d{2})(\d{2})\b", line)
-        if match:
-            return _short_time(match[1], match[2], match[3])
-    return None
+    match = next(filter(None, (re.search(r"\b(\d{6})/(\d{2})(\d{2})\b", line) for line in lines)), None)
+    return None if match is None else _short_time(match[1], match[2], match[3])
 
 
 def _short_time(day: str, hour: str, minute: str) -> datetime | None:
@@ -419,11 +407,8 @@ def read_bufkit(path: Path, lines: list[str], place: tuple[float, float] | None,
 
 
 def _header_value(lines: list[str], key: str) -> str:
-    for line in lines[:6]:
-        match = re.search(rf"\b{key}\s*=\s*(\S+)", line)
-        if match:
-            return match[1]
-    return ""
+    match = next(filter(None, (re.search(rf"\b{key}\s*=\s*(\S+)", line) for line in lines[:6])), None)
+    return "" if match is None else match[1]
 
 
 def _distance(lines: list[str], place: tuple[float, float]) -> float:
@@ -432,8 +417,7 @@ def _distance(lines: list[str], place: tuple[float, float]) -> float:
     except ValueError:
         return float("inf")
     # In degrees of latitude: degrees of longitude are shorter by the cosine of the latitude.
-    east = (longitude - place[1] + 180.0) % 360.0 - 180.0
-    return float(np.hypot(latitude - place[0], east * np.cos(np.radians(place[0]))))
+    return float(np.hypot(latitude - place[0], ((longitude - place[1] + 180.0) % 360.0 - 180.0) * np.cos(np.radians(place[0]))))
 
 
 def _bufkit_values(path: Path, lines: list[str], start: int, end: int, names: list[str]) -> tuple[FloatArray, list[str]]:
@@ -475,8 +459,7 @@ def read_iem_json(path: Path, text: str, time: datetime | None) -> RawSounding:
         raise DataError(f"{path}: its profiles hold no levels; give another hour of the archive")
     times = [_iso_time(str(one.get("valid", ""))) for one in profiles]
     chosen = nearest_time(times, time)
-    levels = profiles[chosen]["profile"]
-    cells = [[_json_cell(path, level, key) for key in ("pres", "hght", "tmpc", "dwpc")] for level in levels]
+    cells = [[_json_cell(path, level, key) for key in ("pres", "hght", "tmpc", "dwpc")] for level in profiles[chosen]["profile"]]
     step_p, step_z = (rounding([repr(row[i]).removesuffix(".0") for row in cells]) for i in (0, 1))
     note = choice_note("the sounding", times[chosen], len(profiles) - 1, time)
     return _of_station("Iowa mesonet's JSON", np.array(cells).T, note, (step_p, step_z))
@@ -655,8 +638,7 @@ def read_igra(path: Path, lines: list[str], time: datetime | None = None) -> Raw
         names={"pressure": "PRESS", "height": "GPH", "temperature": "TEMP", "humidity": "DPDP" if by_dew else "RH"},
         notes=choice_note("the ascent", times[chosen], len(heads) - 1, time), resolution=(1.0, 1.0),
     )  # fmt: skip
-    other = humidity if by_dew else dew
-    return with_other_humidity(raw, "relative_humidity_percent" if by_dew else "dewpoint_k", other)
+    return with_other_humidity(raw, "relative_humidity_percent" if by_dew else "dewpoint_k", humidity if by_dew else dew)
 
 
 def _igra_time(head: str) -> datetime | None:

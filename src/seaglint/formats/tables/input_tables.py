@@ -148,8 +148,7 @@ def cases_of_columns(columns: Mapping[str, Sequence[Any]]) -> Cases:
     if not arrays or len(sizes) < len(arrays) or len(set(sizes.values())) > 1:
         given = ", ".join(f"{name} {size}" for name, size in sizes.items()) or "none"
         raise DataError(f"cases: columns have different numbers of values ({given}); give lists of one length by name")
-    cells = [[str(value) for value in values.tolist()] for values in arrays.values()]
-    rows = [list(row) for row in zip(*cells, strict=True)]
+    rows = [list(row) for row in zip(*([str(value) for value in values.tolist()] for values in arrays.values()), strict=True)]
     return Cases(Path("cases"), list(arrays), rows, list(range(1, len(rows) + 1)))
 
 

@@ -164,13 +164,9 @@ def _spectrum(name: str, place: str, unit: str, where: FloatArray, values: Float
     if unit in PER_CM:
         light = PER_CM[unit] * values
     elif unit in PER_UM:
-        light = (
-            PER_UM[unit] * values * 1e4 / nu**2
-        )  # |d lambda / d nu| = 1e4 / nu^2, lambda in um and nu in cm-1  # |d lambda / d nu| = 1e4 / nu^2, lambda in um and nu in cm-1
+        light = PER_UM[unit] * values * 1e4 / nu**2  # |d lambda / d nu| = 1e4 / nu^2, lambda in um and nu in cm-1
     else:
-        cold = (
-            values <= 0.0
-        )  # Planck's law divides by the temperature: 0 K is radiance 0  # Planck's law divides by the temperature: 0 K is radiance 0
+        cold = values <= 0.0  # Planck's law divides by the temperature: 0 K is radiance 0
         light = np.where(cold, 0.0, planck_wavenumber(nu, np.where(cold, 1.0, values)))
     return MeasuredLight(name, nu, light, unit, stated)
 

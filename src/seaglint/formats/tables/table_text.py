@@ -220,8 +220,7 @@ def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
 
 def _is_mixed(values: Sequence[Any]) -> bool:
     """Return true for a column that has both numbers and other values; truth values are no numbers."""
-    kinds = {isinstance(v, int | float) and not isinstance(v, bool) for v in values if v is not None}
-    return len(kinds) > 1
+    return len({isinstance(v, int | float) and not isinstance(v, bool) for v in values if v is not None}) > 1
 
 
 def read_rows(path: Path) -> list[dict[str, str]]:

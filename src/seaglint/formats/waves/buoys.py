@@ -97,8 +97,7 @@ def read_cdip(path: Path, choice: WaveChoice) -> WaveRecords:
     def bands(_moment: int, _place: int) -> Bands:
         with open_dataset(path) as data:
             if time is not None and time in data[CDIP_DENSITY].dims:
-                same = np.flatnonzero((times == times[index]) & np.isin(flags, _USED))
-                require_one(data[CDIP_DENSITY], time, same, path)
+                require_one(data[CDIP_DENSITY], time, np.flatnonzero((times == times[index]) & np.isin(flags, _USED)), path)
             # A deployment's file also has the displacements, hundreds of megabytes.
             record = data[[name for name in _READ if name in data.variables]]
             record = record.isel({time: index}) if time in data[CDIP_DENSITY].dims else record
@@ -207,8 +206,7 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
     direction, spread = (
         name if name in data.variables and data[name].dims == dims else None for name in ("waveMeanDirection", "waveSpread")
     )
-    mean = None if direction is None else degrees_of(data, direction, path)
-    widths = None if spread is None else degrees_of(data, spread, path)
+    mean, widths = (None if name is None else degrees_of(data, name, path) for name in (direction, spread))
     direction_is_to = direction is not None and travels_to(data, direction)
     if all(moment in data.variables and np.any(np.isfinite(numbers_of(data, moment))) for moment in _MOMENTS):
         a1, b1, a2, b2 = (numbers_of(data, moment) for moment in _MOMENTS)
@@ -288,10 +286,9 @@ def read_datawell(path: Path) -> WaveRecords:
     if name is None:
         raise DataError(f"{path}: the name does not tell place and time; Datawell names files such as 'buoy}}2024-09-09T01h15Z.spt'")
     moment = np.datetime64(datetime.fromisoformat(f"{name[2]}T{name[3]}:{name[4]}"))
-    function = reader("read_datawell")
-    data = parsed(path, "a Datawell file", lambda: function(str(path), dd=None))
-    columns = [np.asarray(data[key].values, dtype=np.float64).ravel() for key in ("freq", "efth", "dmf", "dsprf")]
-    frequency, energy, directions, width = columns
+    data = parsed(path, "a Datawell file", lambda: reader("read_datawell")(str(path), dd=None))
+    columns = ("freq", "efth", "dmf", "dsprf")
+    frequency, energy, directions, width = (np.asarray(data[key].values, dtype=np.float64).ravel() for key in columns)
     limit, most = _WIDEST
     if np.any(width > most):
         raise DataError(f"{path}: a width of {width.max():g} deg is above {most:g} deg, that of no direction at all; is the file whole?")
@@ -338,8 +335,7 @@ def _records(path: Path, kind: str, records: Sequence[Record]) -> WaveRecords:
         places = [np.array([[float(record[name])] for record in records]) for name in ("latitude", "longitude")]
         return WaveRecords(lambda moment, _: _spotter_bands(path, records[moment]), times, ("1",), *places)
 
-    result: WaveRecords = parsed(path, kind, parse)
-    return result
+    return parsed(path, kind, parse)
 
 
 def _spotter_bands(path: Path, record: Record) -> Bands:
@@ -366,8 +362,7 @@ def read_triaxys(path: Path) -> WaveRecords:
         )
     if zone is not None and zone[1].strip().upper() not in ("UTC", "GMT", "Z"):
         raise DataError(f"{path}: its time is in '{zone[1]}', and UTC is read; change the line DATE")
-    function = reader("read_triaxys")
-    data = parsed(path, "a TRIAXYS file", lambda: function(str(path)))
+    data = parsed(path, "a TRIAXYS file", lambda: reader("read_triaxys")(str(path)))
     frequency = np.asarray(data["freq"].values, dtype=np.float64)
     values = np.asarray(data["efth"].values, dtype=np.float64)[0]
 

@@ -474,8 +474,7 @@ def _five(path: Path) -> list[Path]:
 def _present(path: Path) -> Path:
     """Return the file of this name that exists, as text or packed; the name itself if neither exists."""
     plain = path.with_name(path.name.removesuffix(".gz"))
-    packed = plain.with_name(f"{plain.name}.gz")
-    return next((file for file in (path, plain, packed) if file.is_file()), path)
+    return next((file for file in (path, plain, plain.with_name(f"{plain.name}.gz")) if file.is_file()), path)
 
 
 def _read(file: Path) -> SpectralText:
@@ -485,8 +484,7 @@ def _read(file: Path) -> SpectralText:
             f"{file} does not exist; a buoy's directional spectrum needs the files {', '.join('NAME' + s for s in SUFFIXES)} beside each "
             "other: bring it, or remove its companions and state from_deg and spreading_deg"
         )
-    table: SpectralText = parsed(file, "an NDBC spectral file", lambda: read_spectral_text(file))
-    return table
+    return parsed(file, "an NDBC spectral file", lambda: read_spectral_text(file))
 
 
 def _column(table: SpectralText, moment: np.datetime64, frequency: FloatArray) -> FloatArray:

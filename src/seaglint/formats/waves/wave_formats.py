@@ -96,8 +96,7 @@ def _one_of(data: Any, name: str, path: Path) -> Any:
 
 def read_octopus(path: Path) -> WaveRecords:
     """Read the records of one place."""
-    function = reader("read_octopus")
-    data = parsed(path, "an Octopus file", lambda: function(str(path)))
+    data = parsed(path, "an Octopus file", lambda: reader("read_octopus")(str(path)))
     density = data["efth"].transpose("time", "site", "freq", "dir").values.astype(np.float64)
     frequency, directions = _floats(data["freq"]), _floats(data["dir"])
     times = np.asarray(data["time"].values).astype("datetime64[ns]")
@@ -190,8 +189,7 @@ def read_ww3_text(path: Path) -> WaveRecords:
     points = parsed(path, "a WAVEWATCH III station file", lambda: int(header.split("'")[2].split()[2]))
     if points != 1:
         raise DataError(f"{path}: has {points} points, and files of one are read; split it by point, or write NetCDF (ww3_ounp)")
-    read = reader("read_ww3_station")
-    data = parsed(path, "a WAVEWATCH III station file", lambda: read(str(path)))
+    data = parsed(path, "a WAVEWATCH III station file", lambda: reader("read_ww3_station")(str(path)))
     density = _floats(data["efth"]).reshape(-1, data.sizes["freq"], data.sizes["dir"])
     # Three digits of a radian are 0.06 deg: the exact directions are on an even grid.
     directions, frequency = _even(_floats(data["dir"]), path), _floats(data["freq"])
@@ -221,8 +219,7 @@ def read_ww3_netcdf(path: Path) -> WaveRecords:
         already_from = "from_direction" in str(data["direction"].attrs.get("standard_name", ""))
         converted = from_ww3(data)
         # wavespectra turns all directions by 180 deg: those that waves come FROM are turned back.
-        directions = _floats(converted["dir"]) + (180.0 if already_from else 0.0)
-        return _bins(converted, directions % 360.0)
+        return _bins(converted, (_floats(converted["dir"]) + (180.0 if already_from else 0.0)) % 360.0)
 
     reader("read_ww3")
     return netcdf_records(path, "efth", convert)
@@ -279,8 +276,7 @@ def read_waves(
     path, choice = Path(path), WaveChoice() if choice is None else choice
     kind = recognised(path) if format is None else format
     # what a damaged file holds may be of any type and shape
-    waves: WavesFromFile = parsed(path, f"a file of {kind}", lambda: _chosen(path, kind, choice, wind_to_azimuth))
-    return waves
+    return parsed(path, f"a file of {kind}", lambda: _chosen(path, kind, choice, wind_to_azimuth))
 
 
 def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float) -> WavesFromFile:

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Final, assert_never
+from typing import Any, Final, TypeVar, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,8 @@ from seaglint.sea.spectra.binned import of_bins, of_cosine
 from seaglint.sea.spectra.measured import MeasuredSpectrum, possible_moments
 from seaglint.store.netcdf import drop_quietly, open_netcdf
 from seaglint.store.outputs import reason_of
+
+Parsed = TypeVar("Parsed")  #: What a parser returns.
 
 _EARTH_RADIUS_KM = 6371.0
 _LISTED = 8  # sites that an error lists by name
@@ -186,8 +188,8 @@ def spectrum_of(bands: Bands, choice: WaveChoice, wind_to_azimuth: float, what: 
         Values that are missing, negative or impossible; energy without directions; no energy at all.
     """
     bands = _ordered(bands)
-    if not isinstance(bands, Bins):
-        _require_energy(bands, what)
+    if not isinstance(bands, Bins) and not np.all(np.isfinite(bands.energy)):
+        raise DataError(f"{what} has missing energy; choose another time or place")
     if type(bands) is not Plain and (choice.from_deg is not None or choice.spreading_deg is not None):
         name = "from_deg" if choice.from_deg is not None else "spreading_deg"
         raise DomainError(f"does not go with {what}, which has directions of its own; leave it out", name=name, value=getattr(choice, name))
@@ -240,11 +242,6 @@ def _ordered(bands: Bands) -> Bands:
     return replace(bands, **{name: values[order] for name, values in vars(bands).items()})
 
 
-def _require_energy(bands: Plain, what: str) -> None:
-    if not np.all(np.isfinite(bands.energy)):
-        raise DataError(f"{what} has missing energy; choose another time or place")
-
-
 def _everywhere(bands: DirectionalMoments, what: str) -> tuple[ComplexArray, ComplexArray]:
     """Return moments of every band, interpolated where they are not known."""
     frequency, energy = bands.frequency_hz, bands.energy
@@ -282,7 +279,7 @@ def reader(name: str) -> Callable[..., Any]:
     return function
 
 
-def parsed(path: Path, kind: str, parse: Callable[[], Any]) -> Any:
+def parsed(path: Path, kind: str, parse: Callable[[], Parsed]) -> Parsed:
     """Return the result of a parser; its exceptions, which are of any type, become an error of one line.
 
     Warnings of libraries about future changes of other libraries are not shown.

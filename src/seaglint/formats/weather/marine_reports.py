@@ -344,8 +344,7 @@ def _times(table: TextColumns, count: int) -> tuple[FloatArray, FloatArray, tupl
         except ValueError:
             raise DataError(f"{table.where(i)}: '{' '.join(cells[:5])}' is no date and hour; correct or remove the record") from None
     month = np.array([float(moment.month) for moment in moments])
-    hour = np.array([moment.hour + moment.minute / 60.0 for moment in moments])
-    return month, hour, order_of(np.array(moments, dtype="datetime64[m]"))
+    return month, np.array([moment.hour + moment.minute / 60.0 for moment in moments]), order_of(np.array(moments, dtype="datetime64[m]"))
 
 
 def read_mapped(cells: TextColumns, columns: Sequence[MappedColumn], *, naive_is_utc: bool = False) -> WeatherSource:

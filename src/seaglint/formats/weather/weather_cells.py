@@ -199,13 +199,10 @@ def order_of(times: Any) -> tuple[str, ...]:
     known = times[~np.isnat(times)] if np.issubdtype(times.dtype, np.datetime64) else times[~np.isnan(times)]
     steps = np.diff(known.astype(np.float64))
     back = int(np.sum(steps < 0))
-    notes = []
-    if back:
-        first = int(np.flatnonzero(steps < 0)[0]) + 2
-        notes.append(
-            f"times are not sorted: {back} go backwards, the first in record {first}; all rows are kept, a weather table has no order"
-        )
-    return tuple(notes)
+    if not back:
+        return ()
+    first = int(np.flatnonzero(steps < 0)[0]) + 2
+    return (f"times are not sorted: {back} go backwards, the first in record {first}; all rows are kept, a weather table has no order",)
 
 
 def parse_box(text: str) -> GeographicBox:
@@ -253,9 +250,7 @@ def read_polygon(text: str) -> Polygon:
         except ValueError:
             raise DataError(f"polygon='{text}' is neither 'lon,lat lon,lat lon,lat' in degrees nor a .csv or .geojson file") from None
     if len(corners) > 3 and corners[0] == corners[-1]:
-        corners = corners[
-            :-1
-        ]  # GeoJSON repeats the first corner at the end of a ring  # GeoJSON repeats the first corner at the end of a ring
+        corners = corners[:-1]  # GeoJSON repeats the first corner at the end of a ring
     try:
         return Polygon(tuple(corners))
     except DomainError as error:
@@ -299,8 +294,7 @@ def parse_cycle(text: str, name: str, low: int, high: int) -> tuple[int, ...]:
             if not (low <= a <= high and low <= b <= high):
                 raise ValueError
             # Forward from a to b, around the end of the cycle if b is below a.
-            count = (b - a) % (high - low + 1)
-            out += [low + (a - low + step) % (high - low + 1) for step in range(count + 1)]
+            out += [low + (a - low + step) % (high - low + 1) for step in range((b - a) % (high - low + 1) + 1)]
     except ValueError:
         raise DataError(
             f"{name}='{text}' is not whole numbers {low} to {high}; write e.g. {low + 5},{low + 6} or {low + 5}-{low + 7}"

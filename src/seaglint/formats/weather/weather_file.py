@@ -125,17 +125,13 @@ def _read_parquet(path: Path) -> WeatherFile:
     header = tuple(parquet_table.column_names)
     _require(path, header, "")
     try:
-        columns = {name: _numbers(parquet_table[name]) for name in header if name in RANGES}
+        columns = {n: parquet_table[n].cast("float64").combine_chunks().to_numpy(zero_copy_only=False) for n in header if n in RANGES}
     except (pyarrow.ArrowException, ValueError, TypeError) as error:
         raise DataError(f"{path}: a column of numbers holds something else ({error}); write numbers or nulls") from None
     texts = {name: ["" if value is None else str(value) for value in parquet_table[name].to_pylist()] for name in header if name in TEXTS}
     table = _table(path, columns, texts)
     notes = (parquet_table.schema.metadata or {}).get(_NOTES, b"").decode().splitlines()
     return WeatherFile(table, tuple(notes), _remarks(header, table))
-
-
-def _numbers(column: Any) -> Any:
-    return column.cast("float64").combine_chunks().to_numpy(zero_copy_only=False)
 
 
 def check_output(output: str | Path, *, overwrite: bool = False, inputs: Sequence[str | Path] = ()) -> Path:

@@ -79,8 +79,7 @@ def cox_munk_isotropic(wind_speed: float, *, height: float = 10.0, extrapolate: 
     >>> round(cox_munk_isotropic(10.0, height=12.5).mss, 4)
     0.0542
     """
-    wind = _fit_wind(wind_speed, height, extrapolate)
-    half = 0.5 * (0.003 + 0.00512 * wind)
+    half = 0.5 * (0.003 + 0.00512 * _fit_wind(wind_speed, height, extrapolate))
     return SlopeStatistics(half, half)
 
 

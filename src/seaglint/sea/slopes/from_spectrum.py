@@ -90,8 +90,7 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None, cal
             np.stack([np.interp(np.log(k), np.log(table[:, 0]), column) for column in table.T[1:]], axis=1) for table in (grown, calm_grown)
         ]
         grown = np.column_stack([k, directed * both[0] + (1.0 - directed) * both[1]])
-    rows = ((float(k), float(up), float(cross), float(both)) for k, up, cross, both in grown)
-    return replace(slopes, nesting=tuple(rows))
+    return replace(slopes, nesting=tuple((float(k), float(up), float(cross), float(both)) for k, up, cross, both in grown))
 
 
 def _grown(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None) -> FloatArray:
@@ -130,9 +129,7 @@ def _grown(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None) -> Flo
         grown[i] = grown[i - 1] + (parts if longer else 0.0)
         shorter[i] = shorter[i - 1] + (0.0 if longer else along + across)
     missing = np.array([slopes.mss_up, slopes.mss_cross, 0.0]) - grown[-1]
-    needed = max(float(missing[0] + missing[1]), 1e-300)
-    supplied = min(float(shorter[-1]) / needed, 1.0)
+    supplied = min(float(shorter[-1]) / max(float(missing[0] + missing[1]), 1e-300), 1.0)
     even = np.clip(1.0 + np.log(edges / top) / width, 0.0, 1.0)
-    ripples = supplied * shorter / max(float(shorter[-1]), 1e-300) + (1.0 - supplied) * even
-    grown += np.outer(ripples, missing)
+    grown += np.outer(supplied * shorter / max(float(shorter[-1]), 1e-300) + (1.0 - supplied) * even, missing)
     return np.column_stack([edges, grown])

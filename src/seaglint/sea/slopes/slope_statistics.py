@@ -64,12 +64,8 @@ class SlopeStatistics:
         """Refuse variances that are negative or not finite, and a series about a Gaussian of zero width."""
         values = (self.mss_up, self.mss_cross, self.wind_to_azimuth)
         if not all(np.isfinite(values)) or self.mss_up < 0.0 or self.mss_cross < 0.0:
-            raise DomainError(
-                f"slope variances ({self.mss_up:g}, {self.mss_cross:g}) must be finite and at least 0",
-                name="mss",
-                value=(self.mss_up, self.mss_cross),
-                allowed="0 or more, finite",
-            )
+            message = f"slope variances ({self.mss_up:g}, {self.mss_cross:g}) must be finite and at least 0"
+            raise DomainError(message, name="mss", value=(self.mss_up, self.mss_cross), allowed="0 or more, finite")
         if not all(np.isfinite(self.coefficients)):
             raise DomainError(f"Gram-Charlier coefficients {self.coefficients} must be finite numbers")
         if not self.is_gaussian and min(self.mss_up, self.mss_cross) == 0.0:

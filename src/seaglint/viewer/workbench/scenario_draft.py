@@ -93,7 +93,7 @@ def _entry(name: str, schema: Mapping[str, Any], defs: Mapping[str, Any], depth:
     for way in given:
         many = way.get("type") == "array" and "items" in way
         inner = _resolved(way["items"], defs) if many else way
-        if not _is_table(inner):
+        if not ("oneOf" in inner or "properties" in inner):
             continue
         if depth >= _DEEPEST or (many and depth > 1):
             return Field(name, "tables", hint, schema.get("default"), required=required)
@@ -142,12 +142,7 @@ def _resolved(schema: Mapping[str, Any], defs: Mapping[str, Any]) -> JsonObject:
     """Return the schema behind a reference, with the attributes next to it."""
     if "$ref" not in schema:
         return dict(schema)
-    rest = {key: value for key, value in schema.items() if key != "$ref"}
-    return {**defs[schema["$ref"].rsplit("/", 1)[-1]], **rest}
-
-
-def _is_table(schema: Mapping[str, Any]) -> bool:
-    return "oneOf" in schema or "properties" in schema
+    return {**defs[schema["$ref"].rsplit("/", 1)[-1]], **{key: value for key, value in schema.items() if key != "$ref"}}
 
 
 def _first_line(record: Mapping[str, Any]) -> str:
@@ -338,8 +333,7 @@ class Draft:
 
 def mistakes_of(error: SeaglintError) -> tuple[Mistake, ...]:
     """Return the mistakes of an error; the whole text is one where the error names no keys."""
-    known = error.mistakes if isinstance(error, ScenarioError) else ()
-    return known or (Mistake("", None, None, str(error)),)
+    return (error.mistakes if isinstance(error, ScenarioError) else ()) or (Mistake("", None, None, str(error)),)
 
 
 def dotted(keys: Keys) -> str:

@@ -192,8 +192,7 @@ class Form:
                 widget.props["placeholder"] = entry.placeholder
         widget.classes("wide")
         self._widgets[keys] = widget
-        hint = entry.hint + (f"; of {', '.join(map(str, entry.choices))}" if entry.kind == "list" and entry.choices else "")
-        self._note(keys, hint)
+        self._note(keys, entry.hint + (f"; of {', '.join(map(str, entry.choices))}" if entry.kind == "list" and entry.choices else ""))
 
     def _take(self, entry: Field, keys: Keys, text: str) -> None:
         self._typed[keys] = text

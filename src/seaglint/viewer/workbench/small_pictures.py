@@ -21,9 +21,8 @@ from seaglint.scenario.model import Scenario
 
 Job = Literal["mean", "frame"]
 
-MOST_PIXELS: Final = (
-    160 * 80
-)  #: Largest number of pixels of a small picture; most of the time is spent on tables, which do not depend on it.
+#: Largest number of pixels of a small picture; most of the time is spent on tables, which do not depend on it.
+MOST_PIXELS: Final = 160 * 80
 
 _COARSE: Final = {"lines_per_column": 2, "variance_error": 0.2, "layers": (), "apparent_temperature": False}
 
@@ -85,7 +84,6 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
     else:
         temperature = np.asarray(to_temperature(radiance, stored_band(dataset.attrs)), np.float32)
     edges = [_edges(dataset[name].values) if dataset[name].ndim == 1 else None for name in ("azimuth", "elevation")]
-    below = below_horizon(dataset)
     return PreviewPicture(
         radiance=radiance,
         temperature=temperature,
@@ -93,7 +91,7 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
         elevation=edges[1],
         pixels=scenario.sensor.pixels,
         seconds=time.perf_counter() - begin,
-        depression=below,
+        depression=below_horizon(dataset),
     )
 
 
@@ -152,8 +150,7 @@ class Painter:
             raise Overtaken
         process, begin = self._running(), time.monotonic()
         done = threading.Event()
-        watch = threading.Thread(target=self._watch, args=(process, order, begin, done), daemon=True)
-        watch.start()
+        threading.Thread(target=self._watch, args=(process, order, begin, done), daemon=True).start()
         try:
             assert process.stdin is not None
             assert process.stdout is not None

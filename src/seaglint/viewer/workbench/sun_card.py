@@ -84,8 +84,7 @@ def day_svg(day: Day, minutes: float) -> str:
     def place(minute: float, elevation: float) -> tuple[float, float]:
         return _LEFT + inside[0] * minute / 1440.0, _TOP + inside[1] * (high - elevation) / (high - low)
 
-    points = [place(STEP * n, float(e)) for n, e in enumerate(day.elevation)]
-    path = "M" + "L".join(f"{x:.1f},{y:.1f}" for x, y in points)
+    path = "M" + "L".join(f"{x:.1f},{y:.1f}" for x, y in [place(STEP * n, float(e)) for n, e in enumerate(day.elevation)])
     elevation, azimuth = day.at(minutes)
     (x, y), (_, ground) = place(minutes, elevation), place(0, 0.0)
     hours = "".join(

@@ -116,8 +116,7 @@ def _bar(scale: Scale, quantity: Quantity, left: float, height: float) -> Iterat
         shown = np.linspace(0.0, 1.0, 5)
         labels = tick_labels(scale.value(shown), 4 if quantity == "apparent_temperature" else 3)
     for share, label in zip(shown, labels, strict=True):
-        at = _TOP + height * (1.0 - share)
-        y = min(max(at, _TOP + 5), _TOP + height - 5)
+        y = min(max(_TOP + height * (1.0 - share), _TOP + 5), _TOP + height - 5)
         yield f'<text x="{left + 17:.1f}" y="{y:.1f}" dominant-baseline="central">{label}</text>'
     unit, x, y = VARIABLES[quantity].symbol or VARIABLES[quantity].units, left + 68, _TOP + height / 2
     unit += ", log" if scale.logarithmic else ""
@@ -183,12 +182,11 @@ def plan(scenario: Scenario) -> PlanView:
     height, azimuth = poses[0].height, math.degrees(poses[0].attitude.azimuth)
     # Lower edge of the view, below the horizontal.
     steepest = math.radians(-scenario.sensor.elevation_deg + 0.5 * scenario.sensor.fov_deg[1])
-    nearest = float(surface_range(height, min(steepest, 0.5 * math.pi)))
     return PlanView(
         ways=ways,
         own=own - own[0],
         horizon=horizon_range(height),
-        nearest=nearest,
+        nearest=float(surface_range(height, min(steepest, 0.5 * math.pi))),
         azimuth=azimuth,
         width=scenario.sensor.fov_deg[0],
         sun=sun_position(scenario),
@@ -301,7 +299,6 @@ def _name(place: tuple[float, float], name: str, colour: str, used: list[tuple[f
         y += 3.0
     used.append((x, y))
     text = escape(name if len(name) < 24 else f"{name[:22]}…")
-    left = x > _SIZE - 100.0
-    at, anchor = (x - 52.0, ' text-anchor="end"') if left else (x, "")
+    at, anchor = (x - 52.0, ' text-anchor="end"') if x > _SIZE - 100.0 else (x, "")
     leader = f'<path d="M{place[0]:.1f},{place[1]:.1f}L{at:.1f},{y:.1f}" stroke="{colour}" stroke-opacity=".7"/>'
     return f'{leader}<text x="{at:.1f}" y="{y:.1f}" fill="{colour}" dominant-baseline="central"{anchor}>{text}</text>'
