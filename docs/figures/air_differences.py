@@ -16,10 +16,10 @@ from scipy.stats import norm
 
 import seaglint as sg
 from detection_ranges import AIR_K, CASES, Case
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.band_laws import OwnGases, Spectroscopy, with_gases
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber

@@ -19,9 +19,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import CubicSpline
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.band import Band, apparent_temperature

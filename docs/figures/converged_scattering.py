@@ -14,10 +14,10 @@ import argparse
 import numpy as np
 
 from seaglint.air.profile.absorber_densities import cold_share
+from seaglint.air.profile.aerosols import HazeWeather, aerosols
 from seaglint.air.profile.air_profile import AirProfile, model_profile
 from seaglint.air.profile.air_sums import CUTS, AirSums
 from seaglint.air.profile.bent_ray import BentRay
-from seaglint.air.profile.hazes import HazeWeather, aerosols
 from seaglint.air.profile.profile_scattering import scattering_air
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.air.scattering.lowtran_ray import MOLECULES

@@ -9,8 +9,8 @@ import csv
 
 import numpy as np
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.band_laws import Spectroscopy
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
 from validation_tables import PAGE, folder, replace, table
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from seaglint.air.lowtran_table import BatchAtmosphere, models
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import horizon_depression
 from seaglint.optics.band import Band

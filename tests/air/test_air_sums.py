@@ -9,9 +9,9 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from seaglint.air.profile import bent_ray
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import AirProfile, model_profile, saturation_density, sounding_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.profile_atmosphere import ProfileAtmosphere
 from seaglint.air.protocol import slant_range, wavenumber_grid
 from seaglint.base.conventions import horizon_depression

@@ -10,10 +10,10 @@ import pytest
 
 import fitted_bands
 from seaglint.air.profile.absorber_densities import cold_share
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import GASES, lowtran_numbers, model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.band_laws import FIRST_COLUMN, BandLaws, OwnGases, band_numbers, ozone_column, with_gases
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.load import parse_scenario

@@ -5,9 +5,9 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from seaglint.air.lowtran_table import BatchAtmosphere, Stencil, table_models, with_slopes
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.errors import DomainError
 from seaglint.optics.band import Band
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from converged_scattering import converged
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.profile_scattering import scattering_air
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.air.scattering.gas_bands import GasBands, optical_depths

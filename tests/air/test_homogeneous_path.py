@@ -13,10 +13,10 @@ import pytest
 import seaglint as sg
 from data_folders import data_folder
 from fitted_bands import HELD, difference
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import GASES, model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.band_laws import dry_share
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.errors import DomainError
 
 AIR = {"temperature_k": 288.0, "pressure_hpa": 1000.0, "vapour_pressure_hpa": 12.0, "length_km": 3.0}

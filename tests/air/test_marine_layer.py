@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from seaglint.air.profile.absorber_densities import refractivity
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.marine_layer import (
     ADIABATIC,
     JOINED_AT,

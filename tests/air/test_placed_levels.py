@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile, saturation_density
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.errors import BackendError
 from seaglint.formats.lowtran.deck import MODELS, MOST_LEVELS, Aerosol, LowtranAir, LowtranCase, ProfileLevel
 from seaglint.formats.lowtran.engine import engine, run

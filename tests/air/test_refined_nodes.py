@@ -5,9 +5,9 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from seaglint.air.profile import bent_ray
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile, sounding_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.marine_layer import with_marine_layer
 from seaglint.air.profile.profile_atmosphere import LIMIT, MOST_TIMES, ProfileAtmosphere, refined_nodes
 from seaglint.air.protocol import slant_range, wavenumber_grid

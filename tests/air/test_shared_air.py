@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums, GasRay, GasRays
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.profile_scattering import scattering_air
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.studies.build.profile_air import model_air

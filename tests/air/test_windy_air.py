@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from seaglint.air.profile.aerosols import HazeWeather, aerosols, wind_kinks
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather, aerosols, wind_kinks
 from seaglint.air.profile.profile_atmosphere import WindyAir
 from seaglint.air.protocol import slant_range, wavenumber_grid
 from seaglint.formats.lowtran.deck import MODELS

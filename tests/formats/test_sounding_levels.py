@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from sounding_files import ascent, save
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import AirProfile, sounding_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.errors import DataError
 from seaglint.formats.soundings.sounding import Sounding, continuations, percent, read_sounding
 from seaglint.optics.band import Band, apparent_temperature

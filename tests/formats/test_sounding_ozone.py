@@ -8,9 +8,9 @@ import pytest
 import xarray as xr
 from sounding_files import ascent, save
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import GASES, model_levels, model_profile, ozone_dobson, sounding_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.errors import DataError
 from seaglint.formats.soundings.air_summary import summarise_air
 from seaglint.formats.soundings.sounding import read_sounding

@@ -5,9 +5,9 @@ import pytest
 import xarray as xr
 from sounding_files import humidity_of_dew_point
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile, saturation_density
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.errors import DataError
 from seaglint.formats.soundings.sounding import geometric_height, read_sounding

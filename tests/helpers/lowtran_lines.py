@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile, sounding_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.profile_scattering import scattering_air
 from seaglint.air.scattering.scattering_laws import scattering_angle
 from seaglint.formats.lowtran.deck import HAZES, MODELS, Aerosol, LowtranAir, LowtranCase, ProfileLevel

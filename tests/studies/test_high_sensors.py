@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.band_laws import OwnGases, with_gases
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.formats.tables.input_tables import read_cases
 from seaglint.optics.blackbody import planck_wavenumber

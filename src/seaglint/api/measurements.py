@@ -261,7 +261,7 @@ def homogeneous_path(
     >>> round(sg.homogeneous_path(band_um=(10.2, 12.2), **air), 2)
     0.1
     """
-    from seaglint.air.profile.hazes import HazeWeather
+    from seaglint.air.profile.aerosols import HazeWeather
     from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
     from seaglint.api.inputs_and_results import arguments_of
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from seaglint.cli.terminal.messages import tell
+from seaglint.cli.terminal.messages import print_lines
 from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.record_options import takes_records
@@ -57,7 +57,7 @@ def analyze(
 
         typer.echo(json.dumps(analysis.as_dict(), indent=2, ensure_ascii=False, allow_nan=False))
     else:
-        tell(lines(analysis))
+        print_lines(lines(analysis))
 
 
 def refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from seaglint.base.errors import DataError
-from seaglint.cli.terminal.messages import files_read, log, naming_file, show_logs, tell
+from seaglint.cli.terminal.messages import files_read, log, naming_file, print_lines, show_logs
 from seaglint.cli.terminal.options import Overwrite
 
 
@@ -59,7 +59,7 @@ def compare(
         )
     for note in result.notes:
         log(note)
-    tell(result.lines())
+    print_lines(result.lines())
     if csv is not None:
         from seaglint.formats.tables.table_text import write_columns
 

@@ -35,7 +35,7 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
         Frames or numbers that the study refuses.
     """
     from seaglint.base.reports import absent_numbers
-    from seaglint.cli.terminal.messages import print_json, tell
+    from seaglint.cli.terminal.messages import print_json, print_lines
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.studies.detect.recordings import options_of, run_recording, settings_of
 
@@ -52,9 +52,9 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
         print_json(result)
     else:
         if request.contrast is None:
-            tell(["contrasts of 0.5 to 16 standard deviations of the clutter, as none is stated; --contrast states others"])
+            print_lines(["contrasts of 0.5 to 16 standard deviations of the clutter, as none is stated; --contrast states others"])
         for case in study.good:
-            tell([*([f"{case.named}:"] if case.named else []), *recording_lines(case.done.result, every_tail=every_tail)])
+            print_lines([*([f"{case.named}:"] if case.named else []), *recording_lines(case.done.result, every_tail=every_tail)])
     _raise_errors(study, "; the others are written" if files else "")
 
 
@@ -221,7 +221,7 @@ def detect_scene(request: SceneRequest, results: ResultOptions, run: RunOptions)
         A request that the study refuses, or cases that failed, once the others are written.
     """
     from seaglint.base.errors import DataError
-    from seaglint.cli.terminal.messages import print_json, tell
+    from seaglint.cli.terminal.messages import print_json, print_lines
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.studies.detect.study import run_study
 
@@ -239,7 +239,7 @@ def detect_scene(request: SceneRequest, results: ResultOptions, run: RunOptions)
     if results.as_json:
         print_json(result)
     else:
-        tell(study_lines(study))
+        print_lines(study_lines(study))
     _raise_errors(study, "; what was computed is written" if scenes.files is not None else "")
 
 
@@ -284,14 +284,14 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     DataError
         A request that the study refuses.
     """
-    from seaglint.cli.terminal.messages import say_air
+    from seaglint.cli.terminal.messages import print_air
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.studies.detect.study import ranges_of
     from seaglint.studies.mean.air_contrast import RANGES
 
     with _scenes(request, results, run, ("range",)) as scenes:
         near, far = request.of_objects([item.name for item in scenes.cases[0].scenario.objects or ()]).limits
-        say_air([case.scenario for case in scenes.cases], [at for at in RANGES if near <= at <= far] or (near, far))
+        print_air([case.scenario for case in scenes.cases], [at for at in RANGES if near <= at <= far] or (near, far))
         with patient_progress(run.show, "seas"):
             _show(ranges_of(scenes.cases, request, scenes.parts, report=scenes.report), results, scenes.files)
         if scenes.files is not None:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from seaglint.base.errors import DataError
-from seaglint.cli.terminal.messages import log, print_json, show_logs, tell
+from seaglint.cli.terminal.messages import log, print_json, print_lines, show_logs
 from seaglint.cli.terminal.options import AsJson, ProgressOption, place_given
 from seaglint.cli.terminal.program import only_numpy
 from seaglint.cli.terminal.progress import ProgressMode, progress
@@ -41,7 +41,7 @@ def info(
     if as_json:
         print_json(as_plain())
     else:
-        tell(text)
+        print_lines(text)
 
 
 def doctor(
@@ -69,7 +69,7 @@ def doctor(
     if as_json:
         print_json(report.as_dict())
     else:
-        tell(report.lines)
+        print_lines(report.lines)
     if report.problems:
         for problem in report.problems:
             log(f"seaglint: {problem}")
@@ -87,4 +87,4 @@ def _compile(scenario: Path | None, as_json: bool, show: ProgressMode) -> None:
     if as_json:
         print_json(done.as_dict())
     else:
-        tell([done.line])
+        print_lines([done.line])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json, tell
+from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json, print_lines
 from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records
 from seaglint.studies.study_requests import LikelihoodRequest
 
@@ -60,7 +60,7 @@ def likelihood(
     if as_json:
         print_json(summary.as_dict())
     else:
-        tell(lines(summary))
+        print_lines(lines(summary))
 
 
 def lines(summary: LikelihoodSummary) -> list[str]:

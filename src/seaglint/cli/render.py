@@ -13,11 +13,11 @@ from seaglint.base.errors import DataError
 from seaglint.base.optional import remedy
 from seaglint.cli.sensor import SensorPreset
 from seaglint.cli.sensor import line as counts_line
-from seaglint.cli.terminal.messages import files_read, log, naming_file, say_air, show_logs
+from seaglint.cli.terminal.messages import files_read, log, naming_file, print_air, show_logs
 from seaglint.cli.terminal.options import PreviewScale, ScaleOption, ShardOption, parse_frames, place_given, refuse_preview
 from seaglint.cli.terminal.program import only_numpy
 from seaglint.cli.terminal.progress import ProgressMode, progress
-from seaglint.cli.terminal.record_options import RunOptions, finish_store, require_one_way, takes_records, tell_share
+from seaglint.cli.terminal.record_options import RunOptions, finish_store, report_share, require_one_way, takes_records
 from seaglint.studies.study_requests import RenderRequest
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def render(
         render_sequence = render_radiance
     with naming_file(file, loaded), run.chosen() as workers, progress(run.show, "frames") as report:
         if run.show is not ProgressMode.NONE:
-            say_air(loaded)
+            print_air(loaded)
         more: dict[str, Any] = {"share": share} if share is not None else {}
         more |= {"workers": workers} if workers is not None else {}
         # Workers have their threads from their own options.
@@ -96,7 +96,7 @@ def render(
         more |= {"resume": request.resume, "overwrite": request.overwrite}
         render_sequence(loaded, store, frames=numbers, threads=alone, progress=report, **more)
     if share is not None:
-        tell_share(store, share)
+        report_share(store, share)
         return
     from seaglint.store.sequence_store import open_sequence
     from seaglint.store.stored_images import summarise

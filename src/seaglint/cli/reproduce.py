@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from seaglint.base.optional import remedy
-from seaglint.cli.terminal.messages import log, print_json, show_logs, table, tell
+from seaglint.cli.terminal.messages import log, print_json, print_lines, show_logs, table
 from seaglint.cli.terminal.options import AsJson, Overwrite, ProgressOption, parse_frames
 from seaglint.cli.terminal.progress import ProgressMode, progress
 
@@ -37,7 +37,7 @@ def headline(as_json: AsJson = False) -> None:
         print_json({name: row.as_dict() for name, row in computed.items()})
         return
 
-    tell(table(computed))
+    print_lines(table(computed))
 
 
 @reproduce.command()
@@ -191,7 +191,7 @@ def table1(
         print_json({"rows": rows, "settings": result.settings(), "notes": list(result.analysis.notes)})
         return
 
-    tell(table(result.rows()))
+    print_lines(table(result.rows()))
     typer.echo("; ".join(f"{key} = {value}" for key, value in result.settings().items()))
 
 
@@ -222,7 +222,7 @@ def measured(
     if as_json:
         print_json([row.as_dict() for row in result.rows])
     else:
-        tell(result.lines())
+        print_lines(result.lines())
     log(f"{numbers} written")
     write_beside(result.spectra, picture)
     log(f"{picture} written")

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from seaglint.base.errors import DataError
-from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, tell
+from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, print_lines
 from seaglint.cli.terminal.options import AsJson, ShardOption, StoreOption, place_given
 from seaglint.cli.terminal.program import only_numpy
 from seaglint.cli.terminal.progress import patient_progress
-from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records, tell_share
+from seaglint.cli.terminal.record_options import RunOptions, Without, report_share, takes_records
 from seaglint.studies.study_requests import SenseRequest
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def sense(
             reopen=Reopen(Path(recording), request),
         )
     if share is not None:
-        tell_share(store, share)
+        report_share(store, share)
         return
     with open_sequence(store) as dataset:
         log(f"{store}: {line(dataset)}")
@@ -143,7 +143,7 @@ def sensor(
     if as_json:
         print_json(described.as_dict())
     else:
-        tell(lines(described.sheet, described.from_netd))
+        print_lines(lines(described.sheet, described.from_netd))
 
 
 def lines(sheet: SensorDataSheet, from_netd: Mapping[str, float]) -> list[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from seaglint.cli.analyze import refuse_report
-from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, tell
+from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, print_lines
 from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.record_options import Without, takes_records
@@ -68,7 +68,7 @@ def fit(
     if as_json:
         print_json(result.stored.to_dict())
     else:
-        tell(fit_lines(result))
+        print_lines(fit_lines(result))
 
 
 @texture.command()
@@ -135,7 +135,7 @@ def compare(
     if as_json:
         print_json({**comparison.as_dict(), "likelihood": None if likelihood is None else asdict(likelihood)})
     else:
-        tell(comparison_lines(comparison.distances, likelihood))
+        print_lines(comparison_lines(comparison.distances, likelihood))
 
 
 @texture.command()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import log, print_json, tell
+from seaglint.cli.terminal.messages import log, print_json, print_lines
 
 if TYPE_CHECKING:
     from seaglint.climate.table_summary import WeatherFacts
@@ -93,7 +93,7 @@ def info(
     if as_json:
         print_json(facts.as_dict())
     else:
-        tell(lines(facts))
+        print_lines(lines(facts))
     if plot is not None:
         from seaglint.plot.environment_charts import write_weather_plot
 

@@ -55,7 +55,7 @@ def describe() -> tuple[Any, ...] | None:
     """Return the worker's :class:`seaglint.cluster.remote.Machine` as a tuple; None for a worker without the package."""
     # imported, not read from this module: the function's globals would need the package before it can report that it is missing
     try:
-        from seaglint.cluster.remote import this_machine
+        pass
     except ImportError:
         return None
     return tuple(this_machine())

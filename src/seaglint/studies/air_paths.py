@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.air.coordinates import lowest_height
-from seaglint.air.profile.hazes import HazeWeather
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
 from seaglint.air.protocol import slant_range
 from seaglint.base.conventions import FloatArray, horizon_depression

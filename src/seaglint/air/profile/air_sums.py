@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.air.profile.absorber_densities import absorber_densities, cold_share, refractivity
+from seaglint.air.profile.aerosols import HUMID_TABLES, HazeWeather, aerosols
 from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.band_laws import BandLaws, Spectroscopy
 from seaglint.air.profile.bent_ray import BentRay, RefractingAir
-from seaglint.air.profile.hazes import HUMID_TABLES, HazeWeather, aerosols
 from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.blackbody import planck_wavenumber

@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 
 from seaglint.air.profile.absorber_densities import absorber_densities, cold_share
+from seaglint.air.profile.aerosols import NAMES, HazeWeather, aerosols
 from seaglint.air.profile.air_profile import GASES, AirProfile, lowtran_numbers, saturation_density
 from seaglint.air.profile.band_laws import FITTED_UP_TO, GRAM_PER_HPA, BandLaws, Spectroscopy
-from seaglint.air.profile.hazes import NAMES, HazeWeather, aerosols
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import PROFILE_BAND_UM

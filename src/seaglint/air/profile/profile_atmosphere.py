@@ -22,10 +22,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from seaglint.air.coordinates import decode_optical_depth, encode_optical_depth, straight_sea_cosine, straight_slant
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.air_sums import CUTS, AirSums, GasRays, joined_lines
 from seaglint.air.profile.band_laws import Spectroscopy
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.air.protocol import ANGLE_SLACK, ClearAir, require_height, require_line, require_solar_zenith, slant_range
 from seaglint.air.sun_and_sky import brightness_temperature, radiance_of

@@ -16,10 +16,10 @@ from typing import Final
 import numpy as np
 
 from seaglint.air.profile.absorber_densities import absorber_densities, refractivity
+from seaglint.air.profile.aerosols import HUMID_TABLES, HazeWeather, aerosols, mean_humidity
 from seaglint.air.profile.air_profile import AirProfile, lowtran_numbers, model_profile
 from seaglint.air.profile.band_laws import BandLaws, Spectroscopy
 from seaglint.air.profile.bent_ray import RefractingAir
-from seaglint.air.profile.hazes import HUMID_TABLES, HazeWeather, aerosols, mean_humidity
 from seaglint.air.scattering.gas_bands import CONTINUA
 from seaglint.air.scattering.lowtran_ray import AEROSOLS, layer_amounts
 from seaglint.air.scattering.scattered_line import HUMIDITIES, KINDS, NO_SUNS, many_amplitudes

@@ -116,7 +116,7 @@ def log_notes(path: object, recording: Recording) -> None:
         log(f"{path}: {note}")
 
 
-def say_air(scenarios: Scenario | Sequence[Scenario], ranges: Sequence[float] | None = None) -> None:
+def print_air(scenarios: Scenario | Sequence[Scenario], ranges: Sequence[float] | None = None) -> None:
     """Print the temperature of the air over the water and its effect on contrasts, where a scenario does not state both temperatures.
 
     For several scenarios each different line is printed once.
@@ -130,7 +130,7 @@ def say_air(scenarios: Scenario | Sequence[Scenario], ranges: Sequence[float] | 
             log(line)
 
 
-def tell(lines: Iterable[str]) -> None:
+def print_lines(lines: Iterable[str]) -> None:
     """Print the lines of a result on stdout, for people."""
     typer.echo(printable("\n".join(lines)))
 

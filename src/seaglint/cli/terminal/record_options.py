@@ -379,7 +379,7 @@ def finish_store(scenario: str, output: str | None, sensor: str | None) -> Path 
     return store
 
 
-def tell_share(store: Path | str, share: object) -> None:
+def report_share(store: Path | str, share: object) -> None:
     """Report the progress of the whole sequence when a share of it is done."""
     from seaglint.store.location import place_of
     from seaglint.store.sequence_store import open_sequence

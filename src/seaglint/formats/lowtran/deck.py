@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from seaglint.air.profile.hazes import HazeWeather
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import NAVY_AEROSOL_WIND
 

@@ -21,7 +21,7 @@ from seaglint.air.profile.air_profile import AirProfile, model_profile
 from seaglint.air.profile.air_sums import AirSums, GasRays
 from seaglint.air.profile.band_laws import OwnGases, Spectroscopy, with_gases
 from seaglint.air.profile.bent_ray import trapping_layers
-from seaglint.air.profile.hazes import HazeWeather
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.marine_layer import with_marine_layer
 from seaglint.air.profile.profile_atmosphere import THERMAL_UM, Levels, ProfileAtmosphere
 from seaglint.air.protocol import wavenumber_grid

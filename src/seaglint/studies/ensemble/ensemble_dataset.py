@@ -252,15 +252,15 @@ def _write_scenes(
     missing = [entry for entry in entries if not part_path(partial, entry.name).is_file()]
     done = len(entries) - len(missing)
     failed: list[str] = []
-    tell = progress or (lambda done, total: None)
-    tell(done, len(entries))
+    report = progress or (lambda done, total: None)
+    report(done, len(entries))
     job: Job[ConversionSettings, Entry, str] = Job(_start, settings)
     try:
         with outputs.stop_on_signal(at_once=workers is not None) as stopped, (workers or ThisProcess()).map(job, missing) as outcomes:
             for outcome in outcomes:
                 if isinstance(outcome, Done):
                     done += 1
-                    tell(done, len(entries))
+                    report(done, len(entries))
                 else:
                     failed.append(f"scene {outcome.unit.name}: {outcome.error}")
                 if stopped:

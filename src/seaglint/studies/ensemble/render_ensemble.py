@@ -225,8 +225,8 @@ def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, thre
     """Render the scenes that have no store yet."""
     missing = [label for label in labels if not folder.store(label).exists()]
     done, failed = len(labels) - len(missing), dict[str, str]()
-    tell = progress or (lambda done, total: None)
-    tell(done, len(labels))
+    report = progress or (lambda done, total: None)
+    report(done, len(labels))
     # Workers' own processes get no signals: leaving their context ends them at once. In this process the current frame is finished.
     with ExitStack() as stack:
         stopped = stack.enter_context(stop_on_signal(at_once=workers is not None))
@@ -242,7 +242,7 @@ def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, thre
                 else:
                     done += 1
                     folder.failure(outcome.unit).unlink(missing_ok=True)
-                    tell(done, len(labels))
+                    report(done, len(labels))
                 if stopped:
                     raise KeyboardInterrupt
         except KeyboardInterrupt:

@@ -89,18 +89,18 @@ def likelihood_map(
 
     settings = MapSettings(scenario, step, samples, weather)
     cells = PreparedMap.of(settings)
-    tell = progress or (lambda done, total: None)
+    report = progress or (lambda done, total: None)
     latitude, longitude, months = cells.latitude, cells.longitude, cells.months
     out = np.empty((len(cells.model.settings.threshold_w_m2_sr), len(months), latitude.size, longitude.size))
     pieces = [(m, first) for m in range(len(months)) for first in range(0, latitude.size, cells.together)]
     left = Counter(m for m, _ in pieces)
-    tell(0, len(months))
+    report(0, len(months))
     with _outcomes(cells, settings, pieces, workers) as outcomes:
         for (m, first), values in outcomes:
             out[:, m, first : first + cells.together] = values
             left[m] -= 1
             if not left[m]:
-                tell(sum(not n for n in left.values()), len(months))
+                report(sum(not n for n in left.values()), len(months))
     return xr.Dataset(
         {
             "probability": (("threshold", "month", "latitude", "longitude"), out, {"units": "1"}),

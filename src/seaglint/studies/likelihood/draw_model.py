@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.air.profile.aerosols import wind_kinks
 from seaglint.air.profile.air_profile import AirProfile, model_profile
 from seaglint.air.profile.band_laws import Spectroscopy, with_gases
-from seaglint.air.profile.hazes import wind_kinks
 from seaglint.air.profile.profile_atmosphere import WindyAir
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import FloatArray

@@ -160,12 +160,12 @@ def likelihood(
     SeaglintError
         Files or settings that models refuse.
     """
-    tell = progress or (lambda done, total: None)
-    tell(0, 3)
+    report = progress or (lambda done, total: None)
+    report(0, 3)
     model = model or LikelihoodModel.of(scenario, weather)
-    tell(1, 3)
+    report(1, 3)
     drawn = draw(model)
-    tell(2, 3)
+    report(2, 3)
     thresholds = model.settings.threshold_w_m2_sr
     values = tuple(draw_values(model, drawn, threshold) for threshold in thresholds)
     estimates = tuple(estimate(v, drawn.plan, weight=drawn.weight) for v in values)
@@ -176,7 +176,7 @@ def likelihood(
         (*strata(v, drawn.plan, classes, t, weight=drawn.weight), *strata(one, drawn.plan, of_looks, t, weight=drawn.weight))
         for t, v, one in zip(thresholds, values, one_look, strict=True)
     )
-    tell(3, 3)
+    report(3, 3)
     return GlintLikelihood(model=model, draws=drawn, thresholds=thresholds, estimates=estimates, strata=by_threshold, values=values)
 
 

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.air.lowtran_table import BatchAtmosphere, table_models
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.conventions import FloatArray, Progress, horizon_depression, travel_azimuth
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import COX_MUNK_WIND, NAVY_AEROSOL_WIND, TOP_OF_AIR, WIND_PROFILE

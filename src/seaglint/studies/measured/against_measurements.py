@@ -16,9 +16,9 @@ from typing import Final
 
 import numpy as np
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import AirProfile, model_profile, sounding_profile
 from seaglint.air.profile.band_laws import Spectroscopy
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.homogeneous_path import even_air
 from seaglint.air.sun_and_sky import brightness_temperature
 from seaglint.base.conventions import FloatArray

@@ -9,10 +9,10 @@ from typing import Final, NamedTuple, get_args
 
 import numpy as np
 
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import GASES, AirProfile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.band_laws import Spectroscopy
-from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.free_form import JsonObject
