@@ -28,10 +28,9 @@ class Recording(PlainFrames):
     """Sequence of images that is read on demand: from a file by ``seaglint.formats.recording.open_recording``, or by a user's function."""
 
     source: str  #: Path and format, for reports.
-    #: ``frames``, ``rows``, ``columns``: Size.
-    frames: int
-    rows: int
-    columns: int
+    frames: int  #: Number of frames.
+    rows: int  #: Number of rows.
+    columns: int  #: Number of columns.
     #: ``(start, stop) -> array (stop - start, rows, columns)`` in the file's own numbers; used by :meth:`read`.
     read_block: Callable[[int, int], NDArray[Any]] = field(repr=False, compare=False)
     frame_rate: float | None = None  #: Frames per second [Hz], from the file or the user.

@@ -54,9 +54,8 @@ class AlarmSummary(FalseAlarmRate):
     filter: str  #: Name of the filter or detector.
     correlation_time_s: float | None  #: 1/e time of the exceedances [s].
     events: int | None  #: Number of connected sets of exceedances.
-    #: ``events_per_frame``, ``event_duration_s``: Events in a frame [1], and their mean duration [s].
-    events_per_frame: float | None
-    event_duration_s: float | None
+    events_per_frame: float | None  #: Events in a frame [1].
+    event_duration_s: float | None  #: Mean duration of events [s].
     #: Extreme-value tail (:meth:`seaglint.clutter.extremes.TailFit.as_dict`) or the reason for its absence, at the lowest threshold.
     tail: JsonObject | None
 

@@ -324,9 +324,8 @@ class Conditions:
 
     rows: IntArray  #: Rows of the table.
     time: FloatArray  #: Seconds since 1970-01-01 UTC [s].
-    #: ``latitude``, ``longitude``: North and east positive [deg].
-    latitude: FloatArray
-    longitude: FloatArray
+    latitude: FloatArray  #: Latitude, north positive [deg].
+    longitude: FloatArray  #: Longitude, east positive [deg].
     weight: FloatArray | None = None  #: Weight of each draw [1], 1 on average; all the same where it is not given.
 
 

@@ -42,9 +42,8 @@ class SunPositions(NamedTuple):
 class Ephemeris:
     """Ephemeris of the Sun between two times. Make it with :meth:`between`."""
 
-    #: ``first``, ``last``: Seconds since 1970-01-01 UTC that it covers.
-    first: float
-    last: float
+    first: float  #: Earliest time that it covers, since 1970-01-01 UTC [s].
+    last: float  #: Latest time that it covers, since 1970-01-01 UTC [s].
     _table: FloatArray  #: Right ascension and declination [rad], distance [au], equation of the equinoxes [rad] at the steps [(steps, 4)].
 
     @classmethod

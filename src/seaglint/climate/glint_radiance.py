@@ -140,9 +140,8 @@ COLUMNS: Final = ("model", "wind", "wind_to", "height", "solar_zenith", "solar_a
 class Search:
     """Directions about each look among which the brightest is used; by default the look alone."""
 
-    #: ``depressions``, ``azimuths``: Directions tried at first, even in the squeezed elevation and over the azimuths.
-    depressions: int = 1
-    azimuths: int = 1
+    depressions: int = 1  #: Number of depressions tried at first, even in the squeezed elevation.
+    azimuths: int = 1  #: Number of azimuths tried at first, evenly spaced.
     refinements: int = 0  #: Halvings of the steps about the brightest.
     half_width: float = 0.0  #: Azimuths to each side [rad].
 

@@ -29,14 +29,12 @@ class StratumChance:
 
     threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
     by: str  #: Quantity, with its unit.
-    #: ``low``, ``high``: Its range; the upper end is outside, and None without an end.
-    low: float
-    high: float | None
+    low: float  #: Lower end of its range.
+    high: float | None  #: Upper end of its range, which is outside; None without an end.
     share: float  #: Share of all draws [1].
-    #: ``value``, ``interval_low``, ``interval_high``: Chance of glint among these draws, and its 95 % interval [1].
-    value: float
-    interval_low: float
-    interval_high: float
+    value: float  #: Chance of glint among these draws [1].
+    interval_low: float  #: Lower end of its 95 % interval [1].
+    interval_high: float  #: Upper end of its 95 % interval [1].
     contribution: float | None  #: Share of all glint that these draws bring [1]; None without any.
 
 
@@ -69,16 +67,14 @@ class DrawnWeather:
 class LikelihoodSummary:
     """Chances of glint, where they come from, and how they were drawn."""
 
-    #: ``quantity``, ``case``: Requested quantity, and kind of look.
-    quantity: str
-    case: str
+    quantity: str  #: Requested quantity.
+    case: str  #: Kind of look.
     results: list[ThresholdChance]  #: Chance of each threshold.
     sun_up: SunUp  #: Share of the draws in which the Sun is up.
     sun_free_of_clouds: float  #: Share in which clouds leave it free [1].
     contrast_exceeded_by_glint: list[ExceededContrast]  #: Radiances by the share of looks that exceed them.
-    #: ``samples``, ``scramblings``: Number of draws, and of independent sets of them.
-    samples: int
-    scramblings: int
+    samples: int  #: Number of draws.
+    scramblings: int  #: Number of independent sets of draws.
     azimuths: str  #: Treatment of the azimuth of looks.
     confidence: float  #: Level of the intervals [1].
     clouds: str  #: Law of the Sun behind clouds.

@@ -32,9 +32,8 @@ class MonthFacts:
     month: int  #: 1 to 12.
     rows: int  #: Their number.
     probability: float  #: Their share of the table's weight [1].
-    #: ``wind_speed_m_s``, ``cloud_cover``: Weighted means; None without values.
-    wind_speed_m_s: float | None
-    cloud_cover: float | None
+    wind_speed_m_s: float | None  #: Weighted mean wind speed [m s-1]; None without values.
+    cloud_cover: float | None  #: Weighted mean cloud cover [1]; None without values.
 
 
 @dataclass(frozen=True)

@@ -151,6 +151,5 @@ class MappedColumn:
     name: str  #: One of :data:`TARGETS`.
     column: str  #: Heading in the file.
     unit: str = ""  #: Unit as given, for messages; empty where the cells are in the unit of the target column.
-    #: ``scale``, ``offset``: The line from its unit to ours.
-    scale: float = 1.0
-    offset: float = 0.0
+    scale: float = 1.0  #: Factor from its unit to ours.
+    offset: float = 0.0  #: Offset of that line, in our unit.

@@ -20,12 +20,10 @@ BoolArray = NDArray[np.bool_]
 class GeographicBox:
     """Range of latitudes and longitudes, borders included."""
 
-    #: ``west``, ``south``, ``east``, ``north``: Borders [deg], longitudes in any convention; ``west`` beyond ``east`` crosses the date
-    #: line.
-    west: float
-    south: float
-    east: float
-    north: float
+    west: float  #: Western border [deg], in any convention; beyond ``east`` the box crosses the date line.
+    south: float  #: Southern border [deg].
+    east: float  #: Eastern border [deg], in any convention.
+    north: float  #: Northern border [deg].
 
     def __post_init__(self) -> None:
         if not (-90.0 <= self.south <= self.north <= 90.0 and all(-360.0 <= lon <= 360.0 for lon in (self.west, self.east))):

@@ -25,17 +25,14 @@ FEWEST_FRAMES = 8  #: Least number of frames of a correlation in time.
 class SpatialCorrelation:
     """Autocorrelation along the picture's axes."""
 
-    #: ``x``, ``y``: Correlation at 0, 1, 2 ... px along columns (x, horizontally) and rows (y, vertically); NaN at lags without pairs.
-    #: Shape (lags,).
-    x: FloatArray
-    y: FloatArray
-    #: ``length_x``, ``length_y``: Lag at which it falls to 1/e [px]; NaN for constant data or where it does not fall so far. Less than one
-    #: pixel: the straight line from lag 0 to 1, 0.63 px for white noise.
+    x: FloatArray  #: Correlation at 0, 1, 2 ... px along columns, horizontally [1, (lags,)]; NaN at lags without pairs.
+    y: FloatArray  #: Correlation at 0, 1, 2 ... px along rows, vertically [1, (lags,)]; NaN at lags without pairs.
+    #: Lag at which ``x`` falls to 1/e [px]; below one pixel by the straight line from lag 0 to 1, 0.63 px for white noise. NaN for
+    #: constant data or where it does not fall so far.
     length_x: float
-    length_y: float
-    #: ``scale_x``, ``scale_y``: Integral scale, ``1 + 2 sum rho`` up to its first value below zero [px].
-    scale_x: float
-    scale_y: float
+    length_y: float  #: Lag at which ``y`` falls to 1/e [px], as ``length_x``.
+    scale_x: float  #: Integral scale, ``1 + 2 sum rho`` up to the first value of ``x`` below zero [px].
+    scale_y: float  #: Integral scale of ``y`` [px], as ``scale_x``.
 
 
 @dataclass(frozen=True)

@@ -159,17 +159,15 @@ class JointExceedances:
 class Events:
     """Events of exceedances that touch in space (eight neighbours) or from one frame to the next (same or neighbouring pixel)."""
 
-    #: ``first``, ``duration``: First frame, and number of frames from first to last [frames].
-    first: NDArray[np.int64]
-    duration: NDArray[np.int64]
+    first: NDArray[np.int64]  #: First frame [frames].
+    duration: NDArray[np.int64]  #: Number of frames from first to last [frames].
     size: NDArray[np.int64]  #: Exceeding pixels over all frames of the event [px].
-    peak: NDArray[np.float64]  #: Largest z [standard deviations]; ``row`` and ``column`` are where it occurred [px].
-    row: NDArray[np.int64]
-    column: NDArray[np.int64]
+    peak: NDArray[np.float64]  #: Largest z [standard deviations].
+    row: NDArray[np.int64]  #: Row of the largest z [px].
+    column: NDArray[np.int64]  #: Column of the largest z [px].
     cut: NDArray[np.bool_]  #: True for events in the first or the last frame: the true duration is longer or equal.
-    #: ``frames``, ``pixels``: Number of examined frames, and valid pixels over all frames.
-    frames: int
-    pixels: int
+    frames: int  #: Number of examined frames.
+    pixels: int  #: Valid pixels over all frames.
     threshold: float  #: In standard deviations [1].
 
     def __len__(self) -> int:

@@ -150,10 +150,10 @@ class TailFit:
     shape_interval: tuple[float, float]  #: 95 % interval of the shape [1].
     #: Significance of the Anderson-Darling distance between data and fit, from 99 draws from the fit that are fitted anew [1].
     goodness_p: float
-    #: ``trusted_to_sigma``, ``trusted_to_rate``: Threshold and rate up to which the 95 % interval of the rate spans less than a factor of
-    #: :data:`TRUSTED_SPAN` and one exceedance in :data:`TRUSTED_SETS` data sets is not undercut; given that the form of the tail holds.
+    #: Threshold [standard deviations] up to which the 95 % interval of the rate spans less than a factor of :data:`TRUSTED_SPAN` and one
+    #: exceedance in :data:`TRUSTED_SETS` data sets is not undercut; given that the form of the tail holds.
     trusted_to_sigma: float
-    trusted_to_rate: float
+    trusted_to_rate: float  #: Rate at that threshold [1].
     _draws: tuple[FloatArray, FloatArray, FloatArray]
 
     def as_dict(self) -> JsonObject:

@@ -84,20 +84,17 @@ class FalseAlarmRate:
     """Rate of exceedances of one threshold."""
 
     threshold_sigma: float  #: Threshold [standard deviations].
-    #: ``exceedances``, ``pixels``: Number of pixels above it and of examined pixels, over all frames.
-    exceedances: int
-    pixels: int
+    exceedances: int  #: Number of pixels above it, over all frames.
+    pixels: int  #: Number of examined pixels, over all frames.
     rate: float  #: Exceedances per pixel and frame [1].
-    #: ``rate_low``, ``rate_high``: Ends of the confidence interval [1]; None without an interval, see ``note``.
-    rate_low: float | None
-    rate_high: float | None
+    rate_low: float | None  #: Lower end of the confidence interval [1]; None without an interval, see ``note``.
+    rate_high: float | None  #: Upper end of the confidence interval [1]; None without an interval.
     level: float  #: Level of the interval [1].
     gaussian_rate: float  #: One-sided Gaussian tail [1].
     inflation: float | None  #: Variance of the rate over that of independent pixels [1]; pixels / inflation is the effective number.
     correlation_time: float | None  #: 1/e time of the exceedances [frames]; None with the reason in ``correlation_note``.
-    #: ``note``, ``correlation_note``: Reason for an absent interval or time, or the assumption behind the interval.
-    note: str | None = None
-    correlation_note: str | None = None
+    note: str | None = None  #: Reason for an absent interval, or the assumption behind the interval.
+    correlation_note: str | None = None  #: Reason for an absent correlation time.
 
     @property
     def ratio(self) -> float:

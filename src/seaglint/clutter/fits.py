@@ -56,15 +56,12 @@ class Fit:
     """Fit of one family of distributions to one set of values."""
 
     family: Family  #: One of :data:`FAMILIES`.
-    #: ``shape``, ``loc``, ``scale``: Parameters as in the module's table; ``shape`` is None for the Gaussian. All None where there is no
-    #: fit.
-    shape: float | None
-    loc: float | None
-    scale: float | None
-    #: ``shape_interval``, ``loc_interval``, ``scale_interval``: 95 % confidence intervals; None for a given or absent parameter.
-    shape_interval: tuple[float, float] | None
-    loc_interval: tuple[float, float] | None
-    scale_interval: tuple[float, float] | None
+    shape: float | None  #: Shape as in the module's table; None for the Gaussian, or without a fit.
+    loc: float | None  #: Location as in the module's table; None without a fit.
+    scale: float | None  #: Scale as in the module's table; None without a fit.
+    shape_interval: tuple[float, float] | None  #: 95 % interval of the shape; None for a given or absent shape.
+    loc_interval: tuple[float, float] | None  #: 95 % interval of the location; None for a given or absent one.
+    scale_interval: tuple[float, float] | None  #: 95 % interval of the scale; None for a given or absent one.
     log_likelihood: float | None  #: Sum over the values, as if independent.
     count: int  #: Number of fitted values.
     effective_count: float  #: Number of independent values that the intervals assume.
@@ -424,11 +421,11 @@ class Goodness:
     """Distances between sample and fit with their levels."""
 
     ks: float  #: Largest distance between the two distribution functions [1].
-    #: ``ks_p``, ``ad_p``: Probability of such a distance or a larger one if the fit's family is right, at least ``1 / (replicates + 1)``;
-    #: NaN with fewer than 8 independent values.
+    #: Probability of such a distance or a larger one if the fit's family is right [1], at least ``1 / (replicates + 1)``; NaN with fewer
+    #: than 8 independent values.
     ks_p: float
     ad: float  #: Anderson-Darling ``A^2`` per value times ``effective_count``: what that many independent values would show [1].
-    ad_p: float  #: See ``ks_p``.
+    ad_p: float  #: Probability of such an ``A^2`` or a larger one, as ``ks_p`` [1].
     effective_count: float  #: Independent values.
     replicates: int  #: Number of replicates of the bootstrap.
     method: str = METHOD  #: One line for reports.

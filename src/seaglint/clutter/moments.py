@@ -28,13 +28,11 @@ class Moments:
 
     count: int = 0  #: Values that are not NaN.
     mean: float = np.nan  #: Arithmetic mean, unit of the data; NaN for an empty set.
-    #: ``sum2``, ``sum3``, ``sum4``: ``sum (x - mean)^p``, p = 2, 3, 4.
-    sum2: float = 0.0
-    sum3: float = 0.0
-    sum4: float = 0.0
-    #: ``minimum``, ``maximum``: Extremes; inf and -inf for an empty set.
-    minimum: float = np.inf
-    maximum: float = -np.inf
+    sum2: float = 0.0  #: ``sum (x - mean)^2``.
+    sum3: float = 0.0  #: ``sum (x - mean)^3``.
+    sum4: float = 0.0  #: ``sum (x - mean)^4``.
+    minimum: float = np.inf  #: Smallest value; inf for an empty set.
+    maximum: float = -np.inf  #: Largest value; -inf for an empty set.
 
     @property
     def variance(self) -> float:
@@ -87,15 +85,13 @@ class Moments:
 class PixelMoments:
     """Moments in time of every pixel: one pass over a recording gives the moments of every region, selected later."""
 
-    #: ``count``, ``mean``, ``sum2``, ``sum3``, ``sum4``, ``minimum``, ``maximum``: Sums as in :class:`Moments`; mean is 0 where count is 0.
-    #: Shape (rows, columns).
-    count: NDArray[np.int64]
-    mean: FloatArray
-    sum2: FloatArray
-    sum3: FloatArray
-    sum4: FloatArray
-    minimum: FloatArray
-    maximum: FloatArray
+    count: NDArray[np.int64]  #: Number of values of each pixel, (rows, columns).
+    mean: FloatArray  #: Mean of each pixel, unit of the data (rows, columns); 0 where ``count`` is 0.
+    sum2: FloatArray  #: ``sum (x - mean)^2``, (rows, columns).
+    sum3: FloatArray  #: ``sum (x - mean)^3``, (rows, columns).
+    sum4: FloatArray  #: ``sum (x - mean)^4``, (rows, columns).
+    minimum: FloatArray  #: Smallest value, (rows, columns); inf where ``count`` is 0.
+    maximum: FloatArray  #: Largest value, (rows, columns); -inf where ``count`` is 0.
 
     @classmethod
     def empty(cls, rows: int, columns: int) -> PixelMoments:

@@ -43,11 +43,10 @@ CLEAR_BORDER = 0.38
 class Segmentation:
     """Regions of a picture, with the criteria of the decision."""
 
-    #: ``glint``, ``background``, ``sky``: Disjoint; pixels without data are in none of them. ``glint`` is empty where nothing was found.
-    #: Shape (rows, columns).
+    #: Corridor, (rows, columns); empty where nothing was found. The three regions are disjoint; pixels without data are in none.
     glint: BoolArray
-    background: BoolArray
-    sky: BoolArray
+    background: BoolArray  #: Sea beside the corridor, (rows, columns).
+    sky: BoolArray  #: Sky, (rows, columns).
     found: bool  #: Whether there is a corridor.
     #: Otsu's criterion, variance between the two classes over total variance of the envelope [1]; NaN if not decidable.
     separability: float = np.nan

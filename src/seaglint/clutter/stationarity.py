@@ -29,13 +29,10 @@ class Stationarity:
     """Local moments and the test of their equality."""
 
     stationary: bool | None  #: False if the hypothesis is rejected at 5 %; None if not decidable.
-    #: ``p_mean``, ``p_variance``: Levels for the blocks' means and variances, each by itself; NaN if not decidable.
-    p_mean: float
-    p_variance: float
-    #: ``mean``, ``variance``: Mean and variance of the blocks; NaN where less than half a block is in the region. Shape (blocks along y,
-    #: blocks along x).
-    mean: FloatArray
-    variance: FloatArray
+    p_mean: float  #: Level for the blocks' means by themselves [1]; NaN if not decidable.
+    p_variance: float  #: Level for the blocks' variances by themselves [1]; NaN if not decidable.
+    mean: FloatArray  #: Mean of the blocks, (blocks along y, blocks along x); NaN where less than half a block is in the region.
+    variance: FloatArray  #: Variance of the blocks, as ``mean``.
     block: tuple[int, int]  #: Rows and columns of a block [px].
     reason: str = ""  #: Reason why it is not decidable; empty if it is.
     method: str = METHOD  #: One line for reports.

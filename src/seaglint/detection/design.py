@@ -31,10 +31,9 @@ class RateThreshold:
     """Threshold for a rate of false alarms."""
 
     sigma: float  #: In standard deviations above the mean [1].
-    #: ``p_fa``, ``low``, ``high``: Rate per pixel and the ends of its interval [1].
-    p_fa: float
-    low: float
-    high: float
+    p_fa: float  #: Rate per pixel [1].
+    low: float  #: Lower end of its interval [1].
+    high: float  #: Upper end of its interval [1].
     how: str  #: From the pixels above it, from the tail's fit, or by the law of white noise.
     believed: bool  #: Whether the rate is reliable.
 
@@ -71,9 +70,8 @@ class NeededContrast:
     """Contrast for a required P_d."""
 
     contrast: float  #: Signal of an object in the pixel at whose centre it lies [u].
-    #: ``low``, ``high``: Contrasts at which the required P_d is at the upper and the lower end of its interval [u].
-    low: float | None
-    high: float | None
+    low: float | None  #: Contrast at which the required P_d is the upper end of its interval [u].
+    high: float | None  #: Contrast at which the required P_d is the lower end of its interval [u].
     tried: tuple[tuple[float, float], ...]  #: Contrasts tried and their P_d, rising.
 
 

@@ -36,9 +36,8 @@ class Batch:
     """Batch of objects that share a window of frames."""
 
     window: int  #: Number of the window.
-    #: ``row``, ``column``: Pixels that hold the objects in the last frame of the window [px, (n,)].
-    row: IntArray
-    column: IntArray
+    row: IntArray  #: Rows of the pixels that hold the objects in the last frame of the window [px, (n,)].
+    column: IntArray  #: Columns of these pixels [px, (n,)].
     offset: FloatArray  #: Displacement from the pixel's centre, row and column [px, (n, 2)].
 
     @property

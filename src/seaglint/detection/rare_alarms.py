@@ -45,10 +45,9 @@ class RareRate:
     """Extrapolated rate of false alarms."""
 
     threshold_sigma: float  #: Threshold [standard deviations].
-    #: ``rate``, ``low``, ``high``: Rate per pixel and the ends of its 95 % interval [1].
-    rate: float
-    low: float
-    high: float
+    rate: float  #: Rate per pixel [1].
+    low: float  #: Lower end of its 95 % interval [1].
+    high: float  #: Upper end of its 95 % interval [1].
     #: Whether the interval is narrower than a factor of :data:`seaglint.clutter.extremes.TRUSTED_SPAN`, and one exceedance in
     #: :data:`seaglint.clutter.extremes.TRUSTED_SETS` data sets is not undercut.
     believed: bool

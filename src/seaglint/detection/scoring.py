@@ -78,10 +78,9 @@ class Scores:
     #: Largest statistic within the match radius, in standard deviations above the mean [1]; minus infinity where the detector returns
     #: NaN at the object. Shape (n,).
     score: FloatArray
-    #: ``window``, ``row``, ``column``: Window of frames and pixel that hold the object. Shape (n,).
-    window: IntArray
-    row: IntArray
-    column: IntArray
+    window: IntArray  #: Window of frames that holds the object, (n,).
+    row: IntArray  #: Row of the pixel that holds the object [px, (n,)].
+    column: IntArray  #: Column of that pixel [px, (n,)].
     error: FloatArray  #: Estimated less true place, row and column [px]; NaN where none was estimated. Shape (n, 2).
     offset: FloatArray  #: Displacement from the pixel's centre [px, (n, 2)].
 
@@ -221,9 +220,8 @@ class Interval:
     """Rate with its confidence interval."""
 
     rate: float  #: [1]
-    #: ``low``, ``high``: Ends [1]; None where none can be given, see ``note``.
-    low: float | None
-    high: float | None
+    low: float | None  #: Lower end [1]; None where none can be given, see ``note``.
+    high: float | None  #: Upper end [1]; None where none can be given.
     inflation: float  #: Variance over that of independent trials [1]; trials / inflation is the effective number.
     note: str | None = None  #: Why there is none, or what it rests on.
 
@@ -345,14 +343,12 @@ class Roc:
     """Operating characteristic."""
 
     threshold: FloatArray  #: In standard deviations, rising [1].
-    #: ``p_fa``, ``p_fa_low``, ``p_fa_high``: Rate of false alarms per pixel with its band [1].
-    p_fa: FloatArray
-    p_fa_low: FloatArray
-    p_fa_high: FloatArray
-    #: ``p_d``, ``p_d_low``, ``p_d_high``: Share of objects detected with its band [1].
-    p_d: FloatArray
-    p_d_low: FloatArray
-    p_d_high: FloatArray
+    p_fa: FloatArray  #: Rate of false alarms per pixel [1].
+    p_fa_low: FloatArray  #: Lower edge of its band [1].
+    p_fa_high: FloatArray  #: Upper edge of its band [1].
+    p_d: FloatArray  #: Share of objects detected [1].
+    p_d_low: FloatArray  #: Lower edge of its band [1].
+    p_d_high: FloatArray  #: Upper edge of its band [1].
 
     def columns(self) -> dict[str, FloatArray]:
         """Columns of a table."""

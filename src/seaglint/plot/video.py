@@ -34,9 +34,8 @@ class VideoFormat:
     """Format of a video: ending, codec, pixels and frame rates."""
 
     ending: str  #: Ending of the files; without the dot it is the format's name in PyAV.
-    #: ``codec``, ``pixels``: Codec and type of pixels of PyAV.
-    codec: str
-    pixels: str
+    codec: str  #: Codec of PyAV.
+    pixels: str  #: Type of pixels of PyAV.
     rates: tuple[float, float]  #: Least and greatest number of frames per second [Hz].
     options: Mapping[str, str] = field(default_factory=dict)  #: Options of the codec.
 

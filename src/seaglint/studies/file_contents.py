@@ -43,15 +43,13 @@ class RecordingFacts:
     """Contents of a recording: images in a file of any format that ``seaglint analyze`` reads."""
 
     path: str  #: File or folder.
-    #: ``frames``, ``rows``, ``columns``: Size.
-    frames: int
-    rows: int
-    columns: int
+    frames: int  #: Number of frames.
+    rows: int  #: Number of rows.
+    columns: int  #: Number of columns.
     units: str | None  #: Units of the values, if the file states them.
     frame_rate_hz: float | None  #: Frames per second, if the file states them.
-    #: ``least``, ``most``: Smallest and largest value of the first frame; None where it has none.
-    least: float | None
-    most: float | None
+    least: float | None  #: Smallest value of the first frame; None where it has none.
+    most: float | None  #: Largest value of the first frame; None where it has none.
     notes: list[str]  #: Notes on the format.
 
     @property
@@ -220,9 +218,8 @@ class SequenceFrames:
 class PictureDirections:
     """Directions and band of a picture."""
 
-    #: ``azimuth_deg``, ``elevation_deg``: Of the first and last column and row; of a picture that is turned, the limits [deg].
-    azimuth_deg: list[float]
-    elevation_deg: list[float]
+    azimuth_deg: list[float]  #: Azimuths of the first and last column; of a picture that is turned, their limits [deg].
+    elevation_deg: list[float]  #: Elevations of the first and last row; of a picture that is turned, their limits [deg].
     band_um: list[float]  #: Limits of the band [um].
 
 
@@ -230,9 +227,8 @@ class PictureDirections:
 class FileFacts:
     """Contents of an output file."""
 
-    #: ``path``, ``title``: Place and title.
-    path: str
-    title: str
+    path: str  #: Path of the file.
+    title: str  #: Title.
     variables: list[str]  #: Names of its variables.
     frames: SequenceFrames | None  #: Frames of a sequence; None of a map.
     pixels: list[int]  #: Columns and rows.
@@ -260,9 +256,8 @@ class FileFacts:
 class ArrayFile:
     """Arrays of this program that are no pictures: a sweep, the air along paths, a map of chances."""
 
-    #: ``path``, ``title``: Place and title.
-    path: str
-    title: str
+    path: str  #: Path of the file.
+    title: str  #: Title.
     sizes: dict[str, int]  #: Length of each dimension.
     variables: dict[str, str]  #: Units of each variable.
     bytes: int  #: Size [B].

@@ -40,9 +40,8 @@ class Covariances:
 
     values: FloatArray  #: Covariance by distance (frames, rows, columns), the variance in the middle [u², (2 reach + 1, ...)].
     mean: float  #: Mean of the field [u].
-    #: ``shape``, ``periodic``: Shape of the field, and whether it is a torus.
-    shape: Offset
-    periodic: bool
+    shape: Offset  #: Shape of the field: rows, columns [px].
+    periodic: bool  #: Whether the field is a torus.
 
     @property
     def reach(self) -> Offset:

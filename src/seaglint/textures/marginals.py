@@ -65,9 +65,8 @@ class Marginal:
     """
 
     kind: Tails = "gaussian"  #: One of :data:`TAILS`.
-    #: ``loc``, ``scale``: Location and scale of the family [u]; ``scale`` below 0 reverses it: a long tail on the dark side.
-    loc: float = 0.0
-    scale: float = 1.0
+    loc: float = 0.0  #: Location of the family [u].
+    scale: float = 1.0  #: Scale of the family [u]; below 0 it reverses it: a long tail on the dark side.
     shape: float | None = None  #: Shape of gamma (k), lognormal (s of the logarithm) and K (v); None for the others.
     #: Quantiles of the empirical distribution at evenly spaced standard normal values from -4 to 4, in units of ``scale`` about ``loc``.
     quantiles: tuple[float, ...] = ()

@@ -65,9 +65,8 @@ class Likeness:
     rates: tuple[FalseAlarmRate, ...]  #: Rates of the filtered picture at 3 and 3.5 standard deviations.
     curve: RateCurve  #: At all thresholds.
     spectrum: Spectrum  #: Spectrum of the pixels in standard deviations.
-    #: ``x``, ``y``: Correlation by distance in columns and rows, from 0.
-    x: FloatArray
-    y: FloatArray
+    x: FloatArray  #: Correlation by distance in columns, from 0 [1].
+    y: FloatArray  #: Correlation by distance in rows, from 0 [1].
     time: FloatArray | None  #: Correlation by frames.
     features: dict[str, float]  #: Haralick features of co-occurring grey levels.
 
@@ -78,15 +77,12 @@ class RatePair:
 
     threshold_sigma: float  #: Threshold [standard deviations].
     gaussian_rate: float  #: One-sided Gaussian tail [1].
-    #: ``first``, ``second``: Rates per pixel and frame [1].
-    first: float
-    #: ``first_interval``, ``second_interval``: Ends of their 95 % intervals [1].
-    first_interval: list[float | None]
-    second: float  #: See ``first``.
-    second_interval: list[float | None]  #: See ``first_interval``.
-    #: ``first_over_gaussian``, ``second_over_gaussian``: Rates over the Gaussian tail [1].
-    first_over_gaussian: float
-    second_over_gaussian: float
+    first: float  #: Rate of the first picture per pixel and frame [1].
+    first_interval: list[float | None]  #: Ends of its 95 % interval [1].
+    second: float  #: Rate of the second picture per pixel and frame [1].
+    second_interval: list[float | None]  #: Ends of its 95 % interval [1].
+    first_over_gaussian: float  #: Rate of the first over the Gaussian tail [1].
+    second_over_gaussian: float  #: Rate of the second over the Gaussian tail [1].
     second_over_first: float | None  #: Ratio of the rates [1]; None where one of them is 0.
 
     @classmethod
@@ -127,9 +123,8 @@ class ValueDistances:
 
     ks: float  #: Largest distance of the distribution functions [1].
     wasserstein_std: float  #: Wasserstein distance [standard deviations of the first].
-    #: ``first``, ``second``: Moments of both.
-    first: ValueMoments
-    second: ValueMoments
+    first: ValueMoments  #: Moments of the first picture.
+    second: ValueMoments  #: Moments of the second picture.
 
 
 @dataclass(frozen=True)
@@ -145,9 +140,8 @@ class FeaturePair:
 class TextureDistances:
     """Distances between two textures."""
 
-    #: ``first``, ``second``: Names.
-    first: str
-    second: str
+    first: str  #: Name of the first picture.
+    second: str  #: Name of the second picture.
     filtered_rates: list[RatePair]  #: False alarms of the filtered pictures by threshold.
     marginal: ValueDistances  #: Differences of the values.
     spectrum_distance_db: float  #: Rms ratio of the spectra [dB].

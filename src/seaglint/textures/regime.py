@@ -44,15 +44,12 @@ class Regime:
     susceptibility: float
     phases: int  #: Stable uniform solutions of the mean field.
     memory: float  #: Difference of the means of samples begun at the lowest and at the highest level, over the largest level [1].
-    #: ``sample_mean``, ``data_mean``: Means over pixels [level].
-    sample_mean: float
-    data_mean: float
-    #: ``sample_std``, ``data_std``: Standard deviations over pixels [level].
-    sample_std: float
-    data_std: float
-    #: ``sample_correlation``, ``data_correlation``: Correlation of pixels with each class of neighbours [1].
-    sample_correlation: tuple[float, ...]
-    data_correlation: tuple[float, ...]
+    sample_mean: float  #: Mean over the samples' pixels [level].
+    data_mean: float  #: Mean over the picture's pixels [level].
+    sample_std: float  #: Standard deviation over the samples' pixels [level].
+    data_std: float  #: Standard deviation over the picture's pixels [level].
+    sample_correlation: tuple[float, ...]  #: Correlation of the samples' pixels with each class of neighbours [1].
+    data_correlation: tuple[float, ...]  #: Correlation of the picture's pixels with each class of neighbours [1].
 
     @property
     def text(self) -> str:

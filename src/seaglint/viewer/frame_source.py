@@ -37,10 +37,9 @@ _MAPS: Final = (".nc", ".nc4")
 class Layer:
     """Layer of a file: one image for each frame."""
 
-    #: ``name``, ``label``, ``unit``: Name in requests; label and unit on the page.
-    name: str
-    label: str
-    unit: str
+    name: str  #: Name in requests.
+    label: str  #: Label on the page.
+    unit: str  #: Unit on the page.
     read: Callable[[int], NDArray[np.floating[Any]]] = field(repr=False)  #: ``read(index)`` gives the image (rows, columns).
     saturation: float | None = None  #: Value at which the format or the detector saturates.
     blur_px: float | None = None  #: Blur of the images, as in :class:`seaglint.analysis.Recording` [px].

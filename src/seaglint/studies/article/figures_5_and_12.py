@@ -238,10 +238,8 @@ class Trajectories:
     """Positions of sensor and bodies in the vertical plane of the line of sight."""
 
     time: FloatArray  #: Of the frames [s].
-    #: ``ahead``, ``height``: Distance ahead of the sensor's start, along the sea, and height above the mean sea [m], by name; the name of
-    #: the sensor is ``"sensor"``.
-    ahead: dict[str, FloatArray]
-    height: dict[str, FloatArray]
+    ahead: dict[str, FloatArray]  #: Distance ahead of the sensor's start, along the sea, by name [m]; the sensor's name is ``"sensor"``.
+    height: dict[str, FloatArray]  #: Height above the mean sea, by name [m].
     sight: tuple[float, float]  #: Elevations of the image's lower and upper edge [rad].
 
 

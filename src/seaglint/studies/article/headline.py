@@ -30,9 +30,8 @@ from seaglint.studies.build.profile_air import model_air
 class ArticleRow:
     """Number of the source article beside ours."""
 
-    #: ``article``, ``ours``: Both values; None where one does not exist.
-    article: float | None
-    ours: float | None
+    article: float | None  #: The article's value; None where it has none.
+    ours: float | None  #: Our value; None where there is none.
     unit: str  #: Their unit.
     settings: JsonObject = field(default_factory=dict)  #: Settings and conditions, plain numbers and text by name.
 

@@ -131,9 +131,8 @@ def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, 
 class DesignFigures:
     """Contrast that a detector needs, and what clutter costs against white noise."""
 
-    #: ``p_d``, ``p_fa``: Share of detected objects, and rate of false alarms per pixel [1].
-    p_d: float
-    p_fa: float
+    p_d: float  #: Share of detected objects [1].
+    p_fa: float  #: Rate of false alarms per pixel [1].
     p_fa_interval: list[float | None]  #: Ends of the rate's 95 % interval [1].
     alarms_per_hour: float | None  #: Requested false alarms [1/h]; None where the rate per pixel was requested.
     threshold_sigma: float  #: Threshold of that rate [standard deviations].
@@ -141,15 +140,12 @@ class DesignFigures:
     believed: bool  #: Whether the rate is reliable.
     contrast: float | None  #: Contrast needed; None where it cannot be stated in its unit.
     contrast_interval: list[float | None]  #: Ends of its interval.
-    #: ``white_contrast``, ``white_sigma``: Contrast needed in white Gaussian noise of the same variance, and its standard deviation.
-    white_contrast: float | None = None
-    white_sigma: float | None = None
+    white_contrast: float | None = None  #: Contrast needed in white Gaussian noise of the same variance.
+    white_sigma: float | None = None  #: Standard deviation of that noise.
     loss_db: float | None = None  #: Ratio of the two contrasts [dB].
     note: str | None = None  #: Reason why no comparison with white noise is given.
-    #: ``contrast_pixel``, ``white_contrast_pixel``: Both contrasts in the pixel [units of the source], where ``contrast`` is stated in
-    #: another unit.
-    contrast_pixel: float | None = None
-    white_contrast_pixel: float | None = None
+    contrast_pixel: float | None = None  #: ``contrast`` in the pixel [units of the source], where it is stated in another unit.
+    white_contrast_pixel: float | None = None  #: ``white_contrast`` in the pixel [units of the source], likewise.
 
     def stated_by(self, inverse: Callable[[float], float]) -> Self:
         """Return the figures with contrasts in the unit to which ``inverse`` takes those in the pixel; None where it has none."""

@@ -43,9 +43,8 @@ class Strength:
     #: In-band radiance at the aperture, or apparent temperature, of an object that fills a pixel, against the field's mean; or the in-band
     #: intensity of a point before the path.
     unit: Unit = "W m-2 sr-1"
-    #: ``range_m``, ``height_m``: Place of that point [m].
-    range_m: float | None = None
-    height_m: float = 5.0
+    range_m: float | None = None  #: Distance of that point [m].
+    height_m: float = 5.0  #: Height of that point [m].
 
     def __post_init__(self) -> None:
         wrong = [v for v in self.values if v == 0 or not math.isfinite(v)]
@@ -167,9 +166,8 @@ class ObjectSignal:
 
     shape: SpotShape  #: Shape of the object, behind the sensor if the scenario has one.
     contrast: float  #: Contrast of its brightest pixel, when it is centred there [W m-2 sr-1].
-    #: ``row``, ``column``: Place of that pixel in the whole picture [px].
-    row: float
-    column: float
+    row: float  #: Row of that pixel in the whole picture [px].
+    column: float  #: Column of that pixel in the whole picture [px].
     columns: tuple[int, int] = (0, 0)  #: First column of the object, and the column after the last [px].
     whole: float = 0.0  #: Visible solid angle over the mean sea [sr]; 1 for a point.
     among: Scenario | None = None  #: The object alone among the scenario's waves; None where they are no geometry and hide nothing.

@@ -36,9 +36,8 @@ class NearRows(DerivedFrames):
     """
 
     source: FrameSource  #: Whole frames.
-    #: ``first``, ``end``: Rows taken, the last one not included.
-    first: int
-    end: int
+    first: int  #: First row taken [px].
+    end: int  #: Row after the last one taken [px].
 
     @property
     def rows(self) -> int:

@@ -60,9 +60,8 @@ def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
 class WeakLabels:
     """Estimated number of weak labels, from the first frames of some scenes."""
 
-    #: ``weak``, ``seen``: Labels with a ratio below :data:`WEAK`, and all labels with a ratio, in the frames drawn.
-    weak: int
-    seen: int
+    weak: int  #: Labels with a ratio below :data:`WEAK` in the frames drawn.
+    seen: int  #: All labels with a ratio in the frames drawn.
     frames: int  #: Frames drawn.
     labels: int  #: Labels expected in all frames of all scenes.
     noise: bool  #: True where a detector adds noise; without one the ratio is to clutter alone.

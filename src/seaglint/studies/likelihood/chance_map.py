@@ -138,9 +138,8 @@ class PreparedMap:
     """Prepared map, of which pieces are computed in any order."""
 
     model: LikelihoodModel  #: Model of the scenario.
-    #: ``latitude``, ``longitude``: Middles of the cells [deg].
-    latitude: FloatArray
-    longitude: FloatArray
+    latitude: FloatArray  #: Latitudes of the cells' middles [deg].
+    longitude: FloatArray  #: Longitudes of the cells' middles [deg].
     months: tuple[int, ...]  #: Months that count.
     rows: list[NDArray[np.intp]] | None  #: Rows of weather of each cell; None where every cell has all rows.
     across: FloatArray  #: Longitudes that are drawn [deg]: one where all are alike.

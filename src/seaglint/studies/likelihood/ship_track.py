@@ -38,9 +38,8 @@ class TrackChance:
     """Chance of glint at one time of a track."""
 
     time_utc: str  #: Time in ISO 8601.
-    #: ``latitude_deg``, ``longitude_deg``: Place [deg].
-    latitude_deg: float
-    longitude_deg: float
+    latitude_deg: float  #: Latitude [deg].
+    longitude_deg: float  #: Longitude [deg].
     sun_elevation_deg: float  #: Elevation of the Sun [deg].
     threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
     probability: float  #: Chance that glint exceeds it [1].
@@ -59,10 +58,8 @@ class GlintHours:
 
     threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
     hours: float  #: Expected time with glint above it [h].
-    #: ``mean_duration_hours``, ``mean_return_hours``: Mean duration of glint and mean time from its end to its return [h]; None without
-    #: glint, or without a return.
-    mean_duration_hours: float | None
-    mean_return_hours: float | None
+    mean_duration_hours: float | None  #: Mean duration of glint [h]; None without glint.
+    mean_return_hours: float | None  #: Mean time from the end of glint to its return [h]; None without a return.
 
 
 @dataclass(frozen=True)

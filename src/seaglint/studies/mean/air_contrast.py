@@ -44,10 +44,8 @@ class AirContrast:
     #: Share of the in-band contrast between two bodies of about the water's temperature that the air leaves there [1].
     contrast_left: tuple[float, ...]
     place: str  #: Object or sea at those distances; empty if the distances were given.
-    #: ``air_stated``, ``water_stated``: Whether the scenario states the temperature of the air (``air_minus_sea_k``, a sounding, an
-    #: isothermal air), and of the water.
-    air_stated: bool
-    water_stated: bool
+    air_stated: bool  #: Whether the scenario states the air's temperature: ``air_minus_sea_k``, a sounding, an isothermal air.
+    water_stated: bool  #: Whether the scenario states the water's temperature.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text."""

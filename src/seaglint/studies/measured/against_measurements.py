@@ -52,9 +52,8 @@ BandRange = tuple[float, float]  #: Shortest and longest wavelength of a band [u
 class MeasuredScene:
     """Scene of which a spectrum was measured."""
 
-    #: ``name``, ``title``: Name of its tables, and words for it.
-    name: str
-    title: str
+    name: str  #: Name of its tables.
+    title: str  #: Words for the scene.
     model: str  #: Model atmosphere above the sounding, and for its gases.
     co2_ppm: float  #: Carbon dioxide of its year.
     bands_um: dict[BandRange, str]  #: Uncertainty of the measurement by band [um].

@@ -54,12 +54,10 @@ class ComparedBand:
     """A band of a compared spectrum."""
 
     band_um: tuple[float, float]  #: Its wavelengths [um].
-    #: ``ours_k``, ``measured_k``: Apparent temperatures [K].
-    ours_k: float
-    measured_k: float
-    #: ``difference_k``, ``difference_percent``: Ours less measured: of the temperatures [K], of the band radiances [%].
-    difference_k: float
-    difference_percent: float
+    ours_k: float  #: Our apparent temperature [K].
+    measured_k: float  #: Measured apparent temperature [K].
+    difference_k: float  #: Ours less measured, of the temperatures [K].
+    difference_percent: float  #: Ours less measured, of the band radiances [%].
     rms_k: float  #: Root of the mean square difference of the samples' brightness temperatures [K].
 
 
@@ -68,9 +66,8 @@ class SpectrumComparison:
     """Measured spectrum beside the spectrum of a scenario."""
 
     wavenumber_cm: FloatArray  #: Samples of the comparison [cm-1, (n,)].
-    #: ``measured``, ``ours``: Radiances at the resolution of the comparison [W m-2 sr-1 per cm-1, (n,)].
-    measured: FloatArray
-    ours: FloatArray
+    measured: FloatArray  #: Measured radiance at the resolution of the comparison [W m-2 sr-1 per cm-1, (n,)].
+    ours: FloatArray  #: Our radiance at that resolution [W m-2 sr-1 per cm-1, (n,)].
     resolution_cm: float  #: That resolution, full width at half maximum [cm-1].
     elevation_deg: float  #: Direction looked at [deg]; negative towards the sea.
     bands: tuple[ComparedBand, ...]  #: Numbers by band.

@@ -23,14 +23,12 @@ from seaglint.optics.band import Band, apparent_temperature
 class MeasuredRow:
     """Measured number, or a number of another model, beside ours."""
 
-    #: ``case``, ``quantity``: Measurement, and its band or property.
-    case: str
-    quantity: str
+    case: str  #: Measurement.
+    quantity: str  #: Its band or property.
     spectroscopy: str  #: Absorption of ours; empty for waves.
     unit: str  #: Unit of both numbers.
-    #: ``ours``, ``measured``: Both numbers.
-    ours: float
-    measured: float
+    ours: float  #: Our number.
+    measured: float  #: Measured number.
     difference_percent: float  #: Ours less measured, of band radiance where the unit is K [%].
     difference_k: float | None = None  #: Difference of temperatures [K]; None without temperatures.
     #: Root of the mean square difference over 20 cm-1 channels [K], or over paths or skies [unit]; None for single numbers.
@@ -47,9 +45,8 @@ class MeasuredRow:
 class BandDifference:
     """Two spectra in a band: apparent temperatures, difference of radiance, and of the channels."""
 
-    #: ``ours``, ``measured``: Apparent temperatures [K]; NaN for a band that has no light.
-    ours: float
-    measured: float
+    ours: float  #: Our apparent temperature [K]; NaN for a band that has no light.
+    measured: float  #: Measured apparent temperature [K]; NaN for a band that has no light.
     percent: float  #: Difference of band radiance, ours less measured [%].
     rms: float  #: Root of the mean square difference of brightness temperature over the samples in the band [K].
 

@@ -45,9 +45,8 @@ class OutOfView:
     """Object that no frame shows, where it comes nearest to the view."""
 
     name: str  #: Name of the object.
-    #: ``azimuth``, ``elevation``: Direction from the sensor [deg].
-    azimuth: float
-    elevation: float
+    azimuth: float  #: Azimuth from the sensor [deg].
+    elevation: float  #: Elevation from the sensor [deg].
     range: float  #: Distance along the sea [m].
     #: Distance up to which its highest point is above the horizon [m]; None if it is beside the picture.
     seen_to: float | None = None

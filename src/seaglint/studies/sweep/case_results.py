@@ -49,9 +49,8 @@ class NamedArray:
 class CaseResult:
     """Result of one case."""
 
-    #: ``variables``, ``coordinates``: Arrays by name.
-    variables: dict[str, NamedArray]
-    coordinates: dict[str, NamedArray] = field(default_factory=dict)
+    variables: dict[str, NamedArray]  #: Arrays of results by name.
+    coordinates: dict[str, NamedArray] = field(default_factory=dict)  #: Arrays of coordinates by name.
     attributes: Attributes = field(default_factory=dict)  #: Attributes of the whole.
 
     @property

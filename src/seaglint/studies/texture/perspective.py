@@ -39,9 +39,8 @@ NARROWEST: Final = 1e-6  #: Least ratio of standard deviation to mean that count
 class Footprints:
     """Footprints of the rows and columns of a camera on the sea."""
 
-    #: ``near``, ``far``: Edges of the rows along the range [m]; NaN above the horizon. Shape (rows,).
-    near: FloatArray
-    far: FloatArray
+    near: FloatArray  #: Near edges of the rows along the range [m, (rows,)]; NaN above the horizon.
+    far: FloatArray  #: Far edges of the rows along the range [m, (rows,)]; NaN above the horizon.
     edges: FloatArray  #: Edges of the columns from the middle [rad, (columns + 1,)].
 
     @classmethod

@@ -54,10 +54,8 @@ BYTES_PER_PIXEL: Final = 13  #: Memory that a sample takes at most: field, its t
 class HeldOut:
     """Fit of half of the data judged by the other half."""
 
-    #: ``log_pseudo_likelihood``, ``independent_pixels``: Logarithm of the pseudo-likelihood per pixel of the half that the fit has not
-    #: seen, of the fit and of independent pixels.
-    log_pseudo_likelihood: float | None
-    independent_pixels: float | None
+    log_pseudo_likelihood: float | None  #: Logarithm of the fit's pseudo-likelihood per pixel of the half that the fit has not seen.
+    independent_pixels: float | None  #: The same of independent pixels.
     reason: str | None = None  #: Reason of missing numbers.
 
     @property

@@ -31,11 +31,12 @@ _COARSE: Final = {"lines_per_column": 2, "variance_error": 0.2, "layers": (), "a
 class PreviewPicture:
     """Radiance [W m-2 sr-1] and apparent temperature [K] of a small picture, (rows, columns) from the top."""
 
-    radiance: NDArray[np.float32]
-    temperature: NDArray[np.float32]
-    #: ``azimuth``, ``elevation``: Edges of the picture [deg] where it is a grid of angles; None for other pictures, which count pixels.
-    azimuth: tuple[float, float] | None
-    elevation: tuple[float, float] | None
+    radiance: NDArray[np.float32]  #: Radiance [W m-2 sr-1], (rows, columns) from the top.
+    temperature: NDArray[np.float32]  #: Apparent temperature [K], (rows, columns) from the top.
+    azimuth: (
+        tuple[float, float] | None
+    )  #: Edges of the picture across, of a grid of angles [deg]; None for other pictures, which count pixels.
+    elevation: tuple[float, float] | None  #: Edges of the picture in elevation, of a grid of angles [deg]; None for other pictures.
     pixels: tuple[int, int]  #: Width and height of the whole picture.
     seconds: float  #: Time of the computation [s].
     #: Angle of the pixels below the sea's horizon [deg], of a shape that broadcasts to the shape of the picture.
