@@ -29,7 +29,7 @@ Definition = ast.Module | ast.ClassDef | ast.FunctionDef
 
 @cache
 def trees(folder: Path) -> Trees:
-    """Return the syntax tree of each Python file of a folder, by its path in the folder, as it was when first asked for."""
+    """Return the syntax tree of each Python file of a folder, by its path in the folder, as it was when first requested."""
     return {path.relative_to(folder): ast.parse(path.read_text(encoding="utf-8")) for path in sorted(folder.rglob("*.py"))}
 
 

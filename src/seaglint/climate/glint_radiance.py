@@ -56,8 +56,8 @@ _SUNS: Final = 12  #: Number of azimuths of the Sun in a half circle over which 
 class WindSlopes(NamedTuple):
     """Slopes against the wind, as kernels read them. Made by :func:`seas`."""
 
-    first: float  #: Lowest wind, and step [m/s].
-    step: float
+    first: float  #: Lowest wind [m/s].
+    step: float  #: Step of the wind [m/s].
     #: Slope parameters of each wind [(winds, 9)].
     #:
     #: These are variances along and across the waves, series (c21, c03, c40, c22, c04), rms slope of one direction, azimuth of the waves
@@ -197,8 +197,8 @@ class _LookPlan(NamedTuple):
 class Way(NamedTuple):
     """Position of a direction among the nodes of the light."""
 
-    wind: int  #: First nodes of wind and height.
-    height: int
+    wind: int  #: First node of wind.
+    height: int  #: First node of height.
     coarse: tuple[float, float]  #: Coordinates of wind and height among the nodes of the mean reflectance.
     across: float  #: Coordinate of the view, 0 to 1.
     weights: FloatArray  #: Weights of the cubics; those of view and Sun are filled later [(4, 4)].

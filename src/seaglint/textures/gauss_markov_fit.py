@@ -370,7 +370,7 @@ def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit
     likelihood = _Likelihood(data, pool, SEARCHED)
     likelihood.offsets = ()
     theta, value, _ = _maximise(likelihood, None)
-    # Half of the criterion's price of a parameter, per pixel, as the likelihood is.
+    # Half of the price of a parameter in Schwarz's criterion (BIC), per pixel, as the likelihood is.
     penalty = 0.5 * math.log(data.pixels) / data.pixels
     while len(chosen) < most and len(chosen) < len(pool):
         best = _most_promising(likelihood, theta, [d for d in pool if d not in chosen])

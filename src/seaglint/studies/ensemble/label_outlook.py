@@ -101,7 +101,7 @@ def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, pat
         scenario = with_objects[int(place)]
         ratios += _ratios(scenario, cached)
         drawn, objects = drawn + 1, objects + len(scenario.objects or ())
-    # As many labels to an object in all frames as in the drawn ones.
+    # Labels per object in all frames are taken as in the drawn ones.
     known = sum(len(scenario.objects or ()) * scenario.sensor.frames for scenario in with_objects)
     labels = round(known * len(ratios) / objects)
     weak = sum(ratio < WEAK for ratio in ratios)
