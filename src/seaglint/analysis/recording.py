@@ -22,6 +22,23 @@ from seaglint.detection.sources import PlainFrames
 
 FrameArray = NDArray[np.float32]
 
+Prepared = TypeVar("Prepared")
+
+SATURATED_SHARE = 1e-4  #: Least share of saturated pixels that is reported: a tail of one in 10 000 is cut.
+
+FEWEST_IN_SPIKE = 30  #: Least number of values equal to the largest one for a spike.
+
+SPIKE = 1.3  #: Least ratio of a spike's values to those of the next lower level: a tail that is not cut has fewer at its end, not more.
+
+FEWEST_STEPS = 8.0  #: Number of steps of single precision within a standard deviation below which rounding is reported.
+
+FEWEST_FOR_DEAD = 8  #: Least number of frames for calling a pixel that never changes dead rather than calm.
+
+MOST_DEAD = 0.25  #: Largest share of dead pixels; with more never-changing pixels the scene or the recording is still.
+
+#: Largest share of rows that never change and are left out as a sky; with more of them the scene is still, or little of it moves.
+MOST_SKY = 0.75
+
 
 @dataclass(frozen=True)
 class Recording(PlainFrames):
@@ -85,25 +102,6 @@ class Recording(PlainFrames):
     def with_notes(self, *notes: str) -> Recording:
         """Return the recording with further notes."""
         return replace(self, notes=(*self.notes, *notes))
-
-
-Prepared = TypeVar("Prepared")
-
-SATURATED_SHARE = 1e-4  #: Least share of saturated pixels that is reported: a tail of one in 10 000 is cut.
-
-FEWEST_IN_SPIKE = 30  #: Least number of values equal to the largest one for a spike.
-
-SPIKE = 1.3  #: Least ratio of a spike's values to those of the next lower level: a tail that is not cut has fewer at its end, not more.
-
-FEWEST_STEPS = 8.0  #: Number of steps of single precision within a standard deviation below which rounding is reported.
-
-FEWEST_FOR_DEAD = 8  #: Least number of frames for calling a pixel that never changes dead rather than calm.
-
-MOST_DEAD = 0.25  #: Largest share of dead pixels; with more never-changing pixels the scene or the recording is still.
-
-
-#: Largest share of rows that never change and are left out as a sky; with more of them the scene is still, or little of it moves.
-MOST_SKY = 0.75
 
 
 class Passes:

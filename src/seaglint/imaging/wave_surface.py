@@ -26,6 +26,30 @@ from seaglint.base.jit import kernel, njit
 from seaglint.facet.sunlight import Sunlight
 from seaglint.sea.tiles import Wander
 
+STRIP = 64  #: Number of samples of a line that are read together.
+
+SUBCELL_BITS = 16  #: Number of bits of positions within a cell: steps of ``2**-16`` of it, a fiftieth of a millimetre for cells of a metre.
+
+SUBCELLS = 1 << SUBCELL_BITS
+
+LONGEST_STRIP = 1 << 14  #: Largest number of cells along a strip, and of points a side of a lattice: with their parts they fill 31 bits.
+
+WHOLE_TURNS = LONGEST_STRIP * SUBCELLS  #: Offset that keeps positions positive; a whole number of periods of any lattice.
+
+#: Least number of lattice readings in a cell where samples lie closer.
+#:
+#: Heights are cubic between them: of the lattice's shortest waves, four cells long, 97 % of the variance remain in the worst case. Slopes
+#: are read wherever they are needed.
+READS_PER_CELL = 1.5
+
+#: Largest ratio of a strip's last step to its first, or of its first to its last, at which heights are taken between readings.
+EVEN_STEPS = 1.5
+
+#: Number of knots of a line in a period of a wandering tile: between them its displacement is linear, within 0.03 % of the period.
+KNOTS_PER_PERIOD = 12
+
+FARTHEST = 4000  #: Number of steps after which a Sun at the very horizon counts as visible.
+
 
 @kernel
 def lay_rows(lattice: np.ndarray, k: int, rows: np.ndarray) -> None:
@@ -105,29 +129,6 @@ def gradient(z: np.ndarray, at: np.uint64, row: np.uint64, f: np.float32, g: np.
     i, j, k, m = i + one, j + one, k + one, m + one
     z0, z1, z2, z3 = z[i], z[j], z[k], z[m]
     return along + c3 * (b0 * z0 + b1 * z1 + b2 * z2 + b3 * z3), across + a3 * (d0 * z0 + d1 * z1 + d2 * z2 + d3 * z3)
-
-
-STRIP = 64  #: Number of samples of a line that are read together.
-
-SUBCELL_BITS = 16  #: Number of bits of positions within a cell: steps of ``2**-16`` of it, a fiftieth of a millimetre for cells of a metre.
-
-SUBCELLS = 1 << SUBCELL_BITS
-
-LONGEST_STRIP = 1 << 14  #: Largest number of cells along a strip, and of points a side of a lattice: with their parts they fill 31 bits.
-
-WHOLE_TURNS = LONGEST_STRIP * SUBCELLS  #: Offset that keeps positions positive; a whole number of periods of any lattice.
-
-#: Least number of lattice readings in a cell where samples lie closer.
-#:
-#: Heights are cubic between them: of the lattice's shortest waves, four cells long, 97 % of the variance remain in the worst case. Slopes
-#: are read wherever they are needed.
-READS_PER_CELL = 1.5
-
-#: Largest ratio of a strip's last step to its first, or of its first to its last, at which heights are taken between readings.
-EVEN_STEPS = 1.5
-
-#: Number of knots of a line in a period of a wandering tile: between them its displacement is linear, within 0.03 % of the period.
-KNOTS_PER_PERIOD = 12
 
 
 class Surface(NamedTuple):
@@ -474,9 +475,6 @@ def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArra
         row[:, 2:4] = one.wave_vector / (2.0 * np.pi)
         row[:, 4] = np.mod(row[:, 2:4] @ np.array(origin) + one.phase / (2.0 * np.pi), 1.0)
     return out
-
-
-FARTHEST = 4000  #: Number of steps after which a Sun at the very horizon counts as visible.
 
 
 @kernel

@@ -32,6 +32,21 @@ from seaglint.instrument.transfer import Sampling, sensor_mtf
 #: First row and first column of a part of a picture, which may lie outside it, and values of its pixels (rows, columns).
 PictureWindow = tuple[int, int, NDArray[np.float32]]
 
+NODES_PER_CYCLE: Final = 4.0  #: Number of nodes of the grid in a period of the optics' cut-off.
+
+#: Least and greatest margin of a window around its sources [pixels]; between them :data:`BLURS` of diffraction.
+#:
+#: Diffracted light beyond the margin, a share of some ``1 / (pi^2 BLURS)``, wraps around to the other side, so that sums are complete.
+MARGINS: Final = (24, 48)
+
+BLURS: Final = 16.0  #: Margin in units of the blur's diameter (wavelength times f-number).
+
+TILE: Final = 96  #: Side of the tiles into which sources over a larger area are divided [pixels].
+
+STEP: Final = 16  #: Step of the sizes of windows [pixels], so that few filters are needed.
+
+CACHED: Final = 8  #: Number of filters of windows that are cached.
+
 
 def add_window(picture: FloatArray, window: PictureWindow, circle: int) -> None:
     """Add a window to a picture (rows, columns); ``circle``: columns of a full circle, 0 for a picture that is no full circle."""
@@ -80,22 +95,6 @@ def sum_of(windows: list[PictureWindow], shape: tuple[int, ...], circle: int) ->
     for row, column, values in moved:
         add_window(whole, (row - top, column - left, values), 0)
     return top, left, whole.astype(np.float32)
-
-
-NODES_PER_CYCLE: Final = 4.0  #: Number of nodes of the grid in a period of the optics' cut-off.
-
-#: Least and greatest margin of a window around its sources [pixels]; between them :data:`BLURS` of diffraction.
-#:
-#: Diffracted light beyond the margin, a share of some ``1 / (pi^2 BLURS)``, wraps around to the other side, so that sums are complete.
-MARGINS: Final = (24, 48)
-
-BLURS: Final = 16.0  #: Margin in units of the blur's diameter (wavelength times f-number).
-
-TILE: Final = 96  #: Side of the tiles into which sources over a larger area are divided [pixels].
-
-STEP: Final = 16  #: Step of the sizes of windows [pixels], so that few filters are needed.
-
-CACHED: Final = 8  #: Number of filters of windows that are cached.
 
 
 class Boxes(NamedTuple):

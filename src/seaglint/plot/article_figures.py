@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+#: Colours of the bodies in their order: the article's attacking one is red, the defending one green.
+COLOURS: Final = ("tab:red", "tab:green", "tab:orange", "tab:purple")
 
 _COLUMNS: Final = (
     "sea from above, quantised",
@@ -33,6 +35,21 @@ _COLUMNS: Final = (
     "Gibbs sweeps at the pseudo-likelihood's fit",
     "Gibbs sweeps, couplings weakened",
 )
+
+_RADIANCE: Final = VARIABLES["radiance"].symbol
+
+_DECADES: Final = 3.0  #: Decades below its maximum that a logarithmic colour scale shows.
+
+#: Radiances of the lines in the maps of the mirrored Sun [W m-2 sr-1].
+_ROUND: Final = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
+
+_SUN_STEP: Final = 0.125  #: Rows of the maps of Fig. 3 [deg of the Sun's zenith angle].
+
+_SHARES: Final = (0.1, 0.5, 0.9)  #: Shares of its maximum that lines show in each image of glint.
+
+_CLOSE: Final = 24  #: Pixels along each side of a close view.
+
+_SECOND_MARKS: Final = 1.0  #: Time between marks on the paths of the bodies [s].
 
 
 def draw_figure_10(dataset: xr.Dataset) -> Figure:
@@ -67,19 +84,6 @@ def draw_figure_10(dataset: xr.Dataset) -> Figure:
         fontsize=11,
     )
     return figure
-
-
-_RADIANCE: Final = VARIABLES["radiance"].symbol
-
-_DECADES: Final = 3.0  #: Decades below its maximum that a logarithmic colour scale shows.
-
-
-#: Radiances of the lines in the maps of the mirrored Sun [W m-2 sr-1].
-_ROUND: Final = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
-
-_SUN_STEP: Final = 0.125  #: Rows of the maps of Fig. 3 [deg of the Sun's zenith angle].
-
-_SHARES: Final = (0.1, 0.5, 0.9)  #: Shares of its maximum that lines show in each image of glint.
 
 
 def _settings(dataset: xr.Dataset, *more: str) -> str:
@@ -247,14 +251,6 @@ def write_figure(name: str, dataset: xr.Dataset, output: str | Path) -> Path:
         No room or no rights; nothing is left behind.
     """
     return save_figure(DRAW[name](dataset), output, 110, format="png", metadata={"Software": None})
-
-
-#: Colours of the bodies in their order: the article's attacking one is red, the defending one green.
-COLOURS: Final = ("tab:red", "tab:green", "tab:orange", "tab:purple")
-
-_CLOSE: Final = 24  #: Pixels along each side of a close view.
-
-_SECOND_MARKS: Final = 1.0  #: Time between marks on the paths of the bodies [s].
 
 
 class EngagementWays(Protocol):

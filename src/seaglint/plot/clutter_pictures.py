@@ -30,9 +30,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
 #: Colours of the regions, in every picture; distinct for colour-blind readers and in print.
 COLOURS: Final = {"all": "0.25", "glint": "#d95f02", "background": "#1f78b4"}
+
+SLICED_ABOVE: Final = 3.0  #: Threshold of the slices, counted in every analysis [standard deviations].
+
+FAMILY_COLOURS: Final = dict(zip(FAMILIES, ("#1b9e77", "#7570b3", "#e7298a", "#a6761d", "#377eb8"), strict=True))
+
+FAMILY_NAMES: Final = {"gamma": "gamma", "lognormal": "lognormal", "weibull": "Weibull", "k": "K", "gaussian": "Gaussian"}
+
+_LEFT_OUT: Final = "#c2a5cf"
+
+_FREQUENCIES: Final = (0.02, 0.05, 0.1, 0.2, 0.5)
+
+_MOST_BINS: Final = 150
 
 
 def panels_of(analysis: Analysis, height: float) -> tuple[Figure, list[tuple[Axes, str, Region]]]:
@@ -65,11 +76,6 @@ def per_frame(analysis: Analysis) -> tuple[float, str]:
     """Return the duration of a frame and its unit: seconds, or 1 frame where no frame rate is known."""
     rate = analysis.recording.frame_rate
     return (1.0 / rate, "s") if rate else (1.0, "frames")
-
-
-SLICED_ABOVE: Final = 3.0  #: Threshold of the slices, counted in every analysis [standard deviations].
-
-_LEFT_OUT: Final = "#c2a5cf"
 
 
 def draw_regions(analysis: Analysis) -> Figure:
@@ -153,9 +159,6 @@ def _profiles(line: Any, raw: NDArray[Any], filtered: NDArray[Any], above: NDArr
     line[1].plot(place, filtered[place], "o", color=COLOURS["glint"], markersize=3, label=f"above threshold: {place.size}")
     line[1].legend(fontsize=7)
     write_in_panel(line[2], "a single frame:\nno slices in time")
-
-
-_FREQUENCIES: Final = (0.02, 0.05, 0.1, 0.2, 0.5)
 
 
 def draw_exceedances(analysis: Analysis) -> Figure:
@@ -290,13 +293,6 @@ def _why_no_time(analysis: Analysis) -> str:
     if analysis.recording.frames == 1:
         return "a single frame: nothing can be said of time"
     return next((r.temporal.reason for r in analysis.regions.values() if r.temporal.reason), "no correlation in time")
-
-
-FAMILY_COLOURS: Final = dict(zip(FAMILIES, ("#1b9e77", "#7570b3", "#e7298a", "#a6761d", "#377eb8"), strict=True))
-
-FAMILY_NAMES: Final = {"gamma": "gamma", "lognormal": "lognormal", "weibull": "Weibull", "k": "K", "gaussian": "Gaussian"}
-
-_MOST_BINS: Final = 150
 
 
 def draw_histograms(analysis: Analysis) -> Figure:

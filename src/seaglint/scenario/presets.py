@@ -18,6 +18,8 @@ from seaglint.base.errors import ScenarioError
 from seaglint.base.free_form import TomlTables
 from seaglint.base.optional import remedy
 
+TABLES: Final = ("optics", "detector", "scan", "noise")  #: Tables of ``[sensor]`` that a preset replaces as a whole.
+
 
 @dataclass(frozen=True)
 class ObjectPreset:
@@ -66,6 +68,7 @@ _FLOCK: Final = (
     *((0.0, 0.0, 0.0), (-2.2, -2.1, 0.3), (2.4, -2.0, -0.2), (-4.5, -4.3, 0.1)),
     *((4.6, -3.9, 0.5), (-6.6, -6.2, -0.3), (7.0, -6.4, 0.2)),
 )
+
 
 #: Presets of objects by the name that the key ``preset`` takes.
 OBJECTS: Final[dict[str, ObjectPreset]] = {
@@ -217,6 +220,7 @@ _SWELL: Final = {
     "spreading_deg": 12.0,
 }
 
+
 #: Presets of scenes by the name that the parameter ``preset`` takes.
 PRESETS: Final[dict[str, Preset]] = {
     "glint": Preset(
@@ -311,8 +315,10 @@ _SCORPIO_SHEET = "assumed: as the data sheet of the Lynred Scorpio LW is cited, 
 _RULE_07 = "Tennant et al., J. Electronic Materials 37, 1406 (2008), Rule 07: 9.3 um cut-off, 80 K, 15 um"
 _PANORAMA = "assumed: a turn a second and a column of 640 pixels, as panoramic infrared search sensors are sold"
 
+
 #: Detector of the cooled arrays of photodiodes, as far as they are alike.
 _DIODES: Final = {"pitch_um": 15.0, "fill_factor": 0.9, "quantum_efficiency": 0.9, "bit_depth": 14}
+
 
 #: Presets of sensors by the name that the parameter ``sensor`` takes.
 SENSORS: Final[dict[str, SensorPreset]] = {
@@ -452,8 +458,6 @@ SENSORS: Final[dict[str, SensorPreset]] = {
         },
     ),
 }
-
-TABLES: Final = ("optics", "detector", "scan", "noise")  #: Tables of ``[sensor]`` that a preset replaces as a whole.
 
 
 def with_sensor(raw: Mapping[str, Any], name: str) -> TomlTables:

@@ -40,10 +40,23 @@ from seaglint.viewer.picture import KINDS, Scales, Show, tag
 if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
 
+Answer = Callable[[Request], Response]
 
 PATIENCE: Final = 15.0  #: Time without a request after which a job is stopped, since its browser has been closed [s].
 
 MOST: Final = 4  #: Largest number of jobs that run at the same time.
+
+MOST_CLIP: Final = 400_000_000  #: Largest size of a clip's frames in memory [bytes].
+
+TYPES: Final = {".png": "image/png", ".npy": "application/octet-stream", ".tif": "image/tiff"}  #: Media types by ending.
+
+STATIC: Final = Path(__file__).parent / "static"
+_FILES: Final = {path.name: path for path in sorted(STATIC.iterdir()) if path.suffix in (".js", ".css", ".html", ".svg")}
+_MEDIA: Final = {".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml"}
+_COLOURS: Final[tuple[Colours, ...]] = get_args(Colours)
+_TICKS: Final = 5
+# Browsers may store answers, but must check whether they are still valid: a sequence may be growing.
+_FRESH: Final = {"cache-control": "no-cache"}
 
 
 class _StoppedError(Exception):
@@ -196,11 +209,6 @@ def trace(source: ViewerSource, row: int, column: int, around: int, layer: str |
     }
 
 
-MOST_CLIP: Final = 400_000_000  #: Largest size of a clip's frames in memory [bytes].
-
-TYPES: Final = {".png": "image/png", ".npy": "application/octet-stream", ".tif": "image/tiff"}  #: Media types by ending.
-
-
 def frame_file(show: Show, index: int, ending: str, scaling: Scale, colours: Colours) -> bytes:
     """Return one frame as a file: PNG as displayed, one pixel for each pixel; NumPy or TIFF with the values and their unit.
 
@@ -279,17 +287,6 @@ def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield from _flat(f"{prefix}[{place}]", inner)
     else:
         yield prefix, "" if value is None else value
-
-
-STATIC: Final = Path(__file__).parent / "static"
-_FILES: Final = {path.name: path for path in sorted(STATIC.iterdir()) if path.suffix in (".js", ".css", ".html", ".svg")}
-_MEDIA: Final = {".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml"}
-_COLOURS: Final[tuple[Colours, ...]] = get_args(Colours)
-_TICKS: Final = 5
-# Browsers may store answers, but must check whether they are still valid: a sequence may be growing.
-_FRESH: Final = {"cache-control": "no-cache"}
-
-Answer = Callable[[Request], Response]
 
 
 class Query:

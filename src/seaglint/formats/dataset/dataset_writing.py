@@ -47,8 +47,25 @@ from seaglint.version import __version__
 if TYPE_CHECKING:
     import xarray as xr
 
-
 BLUR: Final = 2  #: Pixels around masks into which optics spread an object: left out of its surroundings.
+
+WIDTH: Final = 240  #: Greatest side of an example [pixels].
+
+COLUMNS: Final = 6
+
+SUMS: Final = "SHA256SUMS"
+ABOUT: Final = "dataset.json"
+KIND: Final = "seaglint-dataset-1"  #: Value of ``kind`` in ``dataset.json`` of our data sets.
+
+LICENCE: Final = "CC-BY-4.0"  #: Licence of a data set whose ensemble states no other.
+
+EXAMPLES: Final = 18  #: Pictures on the sheet of examples.
+
+_GAP, _TEXT = 6, 14
+_GREEN: Final = (90, 235, 120)
+
+_SNR_EDGES: Final = (0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 50.0, float("inf"))
+_SIZE_EDGES: Final = (0.0, 0.01, 0.1, 1.0, 4.0, 9.0, 25.0, 81.0, float("inf"))
 
 
 @dataclass(frozen=True)
@@ -183,14 +200,6 @@ def local_contrast(values: NDArray[np.float64], mask: NDArray[np.bool_], covered
     return contrast, abs(contrast) / spread
 
 
-WIDTH: Final = 240  #: Greatest side of an example [pixels].
-
-COLUMNS: Final = 6
-
-_GAP, _TEXT = 6, 14
-_GREEN: Final = (90, 235, 120)
-
-
 @dataclass(frozen=True, eq=False)
 class Example:
     """Picture with its boxes (first column and row, columns and rows) and a line below it."""
@@ -241,10 +250,6 @@ def _zoom(example: Example) -> float:
 
 def _grey(values: NDArray[Any]) -> NDArray[np.uint8]:
     return eight_bit(Scale(*scale_limits(values, (1.0, 99.8))).share(values))
-
-
-_SNR_EDGES: Final = (0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 50.0, float("inf"))
-_SIZE_EDGES: Final = (0.0, 0.01, 0.1, 1.0, 4.0, 9.0, 25.0, 81.0, float("inf"))
 
 
 def statistics(catalogue: Catalogue) -> JsonObject:
@@ -377,11 +382,6 @@ def _table(head: Sequence[str], body: Sequence[Sequence[Any]]) -> list[str]:
     return [*("| " + " | ".join(str(cell) for cell in line) + " |" for line in [head, tuple("---" for _ in head), *body]), ""]
 
 
-SUMS: Final = "SHA256SUMS"
-ABOUT: Final = "dataset.json"
-KIND: Final = "seaglint-dataset-1"  #: Value of ``kind`` in ``dataset.json`` of our data sets.
-
-
 def files(folder: Path) -> list[str]:
     """Return all files of a data set but the checksums themselves, with slashes, in order."""
     paths = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
@@ -467,11 +467,6 @@ def _picture_problems(folder: Path, about: Mapping[str, Any], form: type[Dataset
             if levels.shape != (one["height"], one["width"]) or 8 * levels.dtype.itemsize != about["bits"]:
                 size = f"{levels.shape[1]} x {levels.shape[0]} pixels of {8 * levels.dtype.itemsize} bits"
                 yield f"{path.name}: has {size}, not {one['width']} x {one['height']} of {about['bits']}"
-
-
-LICENCE: Final = "CC-BY-4.0"  #: Licence of a data set whose ensemble states no other.
-
-EXAMPLES: Final = 18  #: Pictures on the sheet of examples.
 
 
 def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, about: Mapping[str, Any]) -> None:

@@ -31,9 +31,25 @@ from seaglint.base.optional import missing, requirement
 from seaglint.formats.lowtran.deck import STEP_CM, LowtranCase
 from seaglint.store.outputs import storage_errors
 
+log = logging.getLogger(__name__)
+
+#: Compiler flags for double precision: single precision spoils near-horizontal paths of sensors below 30 m by per cents.
+FLAGS = ("-O1", "-std=legacy", "-fdefault-real-8", "-fdefault-double-8", "-w")
+
+DRIVER = Path(__file__).with_name("driver.f90")
+
+#: Code put into the routine TRANS before its sum over the layers, so that the driver can record coefficients.
+HOOK = ("109   TEB1  =-99.", "      CALL SEAGLINT_LAWS(V)\n109   TEB1  =-99.")
+
+TIMEOUT = 60.0  #: Time after which a run, which takes hundredths of a second, counts as hung [s].
+
+QUIET = 2.0  #: Time of work before progress is reported [s].
+
 _MAGIC = b"seaglint lowtran7 1\n"
 
-log = logging.getLogger(__name__)
+_LEVELS = 34
+
+_OTHERWISE = "or set atmosphere.source = 'lowtran', which needs neither"
 
 
 def key_of(*parts: str) -> str:
@@ -82,23 +98,6 @@ def keep(key: str, arrays: Mapping[str, FloatArray]) -> None:
     finally:
         with suppress(OSError):
             partial.unlink(missing_ok=True)
-
-
-#: Compiler flags for double precision: single precision spoils near-horizontal paths of sensors below 30 m by per cents.
-FLAGS = ("-O1", "-std=legacy", "-fdefault-real-8", "-fdefault-double-8", "-w")
-
-DRIVER = Path(__file__).with_name("driver.f90")
-
-#: Code put into the routine TRANS before its sum over the layers, so that the driver can record coefficients.
-HOOK = ("109   TEB1  =-99.", "      CALL SEAGLINT_LAWS(V)\n109   TEB1  =-99.")
-
-TIMEOUT = 60.0  #: Time after which a run, which takes hundredths of a second, counts as hung [s].
-
-QUIET = 2.0  #: Time of work before progress is reported [s].
-
-_LEVELS = 34
-
-_OTHERWISE = "or set atmosphere.source = 'lowtran', which needs neither"
 
 
 @dataclass(frozen=True)

@@ -41,17 +41,30 @@ PHASE_WAVELENGTHS_UM: Final = np.array(
     ]
 )
 
-_LEVELS, _COLUMNS, _NODES, _MODELS, _FUNCTIONS = 34, 63, 47, 26, 70
-
 #: Aerosol models of the phase functions above the boundary layer: troposphere at 70 %, background stratosphere, meteoric dust.
 ALOFT: Final = (18, 21, 26)
-
-_FOGS: Final[dict[Haze, int]] = {"advective-fog": 24, "radiative-fog": 25}
 
 #: Aerosol models before the four for rising humidity.
 HUMID: Final[dict[Haze, int]] = {
     "rural-23km": 0, "rural-5km": 0, "navy-maritime": 4, "maritime-23km": 4, "urban": 8, "tropospheric": 16,
 }  # fmt: skip
+
+PATH_NODES = 28
+SUN_NODES = 28
+SKY_NODES = 28
+DIP_NODES = 8  #: Number of nodes between two grazed levels below the horizontal.
+
+LEAST_SINE = 1e-5  #: Smallest cosine of the zenith angle at the sea, since LOWTRAN7 refuses rays that graze the sea exactly.
+
+#: A line to a point is run live where it clears the sea by this part of its sag over the round Earth and so much more [m].
+GRAZING, LEAST_CLEARANCE = 0.15, 1.0
+
+#: Lines to points shorter than the one are not run live, over arcs shorter than the other they count as straight up or down [m].
+SHORTEST, UPRIGHT = 5.0, 0.5
+
+_LEVELS, _COLUMNS, _NODES, _MODELS, _FUNCTIONS = 34, 63, 47, 26, 70
+
+_FOGS: Final[dict[Haze, int]] = {"advective-fog": 24, "radiative-fog": 25}
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,21 +189,6 @@ def live_air(program: engine.Engine, air: LowtranAir, source: FloatArray, timeou
     laws = dump(program, air, timeout)
     spectral = laws.spectral()
     return ScatteringAir.of(spectral, laws.levels(spectral.columns), laws.aerosol(air.aerosol.haze), source)
-
-
-PATH_NODES = 28
-SUN_NODES = 28
-SKY_NODES = 28
-DIP_NODES = 8  #: Number of nodes between two grazed levels below the horizontal.
-
-LEAST_SINE = 1e-5  #: Smallest cosine of the zenith angle at the sea, since LOWTRAN7 refuses rays that graze the sea exactly.
-
-
-#: A line to a point is run live where it clears the sea by this part of its sag over the round Earth and so much more [m].
-GRAZING, LEAST_CLEARANCE = 0.15, 1.0
-
-#: Lines to points shorter than the one are not run live, over arcs shorter than the other they count as straight up or down [m].
-SHORTEST, UPRIGHT = 5.0, 0.5
 
 
 @dataclass(frozen=True)

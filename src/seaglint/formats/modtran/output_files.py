@@ -46,9 +46,41 @@ from seaglint.formats.modtran.modtran_spectrum import SPECTRAL, Column, ModtranS
 from seaglint.formats.tables.table_text import cells_of
 from seaglint.store.outputs import parsed_json
 
+#: Mode (IEMSCT) by its name in MODTRAN 6.
+MODES: Final = {
+    "RT_TRANSMITTANCE": 0,
+    "RT_THERMAL_ONLY": 1,
+    "RT_SOLAR_AND_THERMAL": 2,
+    "RT_SOLAR_IRRADIANCE": 3,
+    "RT_LUNAR_AND_THERMAL": 2,
+    "RT_LUNAR_IRRADIANCE": 3,
+}
+
+ENDINGS: Final = (".tp7", ".7sc", ".7sr", ".scn")
+
+#: Largest offset in columns between the end of a number and that of its column's name: names of mode 3 stand up to 2 aside.
+FARTHEST: Final = 4
+
+UNNAMED_DEPTH: Final = 105  #: Column in which the optical depth ends (T96, E10.3) where the header does not name it: LOWTRAN7, and mode 3.
+
 _FRAME = re.compile(r"^\s*(\}|case\b.*|num \w+.*|#.*|\[.*|\(.*|cm-1\b.*)?$", re.IGNORECASE)
 
 _COUNT = re.compile(r"^\s*num freq\w*\s*[,=:]\s*(\d+)", re.IGNORECASE)
+
+_SPECTRA: Final = ("RADIANCE", "IRRADIANCE", "TRANSMITTANCE")
+
+_AS_WRITTEN = "give MODTRAN 6's JSON output (JSONOPT = WRT_INPUT_OUTPUT)"
+
+_HEADER = re.compile(r"^\s*(FREQ|WAVLEN)\b")
+
+_LABEL = re.compile(
+    r"(?:FREQ|WAVLEN) ?\((?:CM-1|MCRN|uM|NM)\)|WAVLEN MCRN|(?:TOT|PTH|THRML|SURF|SOL|SING|SNGL|GRND|DRCT|TOTAL|REF|TOA|BBODY)[ _]"
+    r"(?:TRANS|THRML|SCT|EMIS|SCAT|RFLT|RAD|SOL|SUN|TR|T\[K\])(?![A-Z])|\S+"
+)
+
+_NUMBER = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+|\d+(?=\s|$))(?:[EDed][-+]?\d{2}|[-+]\d{3}(?!\d|\.))?")
+
+_END = re.compile(r"^\s*-9999\.?")
 
 
 def is_csv(text: str) -> bool:
@@ -107,21 +139,6 @@ def _csv_table(path: Path, number: int, header: int, labels: list[str], rows: li
                 shown = " ".join(cells[k].split())[:40]
                 raise DataError(f"{where}: line {line}: {labels[k]} = '{shown}' is not a number; run the case again") from None
     return Table(path, f"case {number}", {name: np.array(values) for name, values in columns.items()}, tuple(labels), None, int(rows[0][0]))
-
-
-#: Mode (IEMSCT) by its name in MODTRAN 6.
-MODES: Final = {
-    "RT_TRANSMITTANCE": 0,
-    "RT_THERMAL_ONLY": 1,
-    "RT_SOLAR_AND_THERMAL": 2,
-    "RT_SOLAR_IRRADIANCE": 3,
-    "RT_LUNAR_AND_THERMAL": 2,
-    "RT_LUNAR_IRRADIANCE": 3,
-}
-
-_SPECTRA: Final = ("RADIANCE", "IRRADIANCE", "TRANSMITTANCE")
-
-_AS_WRITTEN = "give MODTRAN 6's JSON output (JSONOPT = WRT_INPUT_OUTPUT)"
 
 
 def is_json(text: str) -> bool:
@@ -205,25 +222,6 @@ def _json_sight(case: Any) -> ModtranSight | None:
     towards = (_number(_inside(geometry, key)) for key in ("PARM1", "PARM2"))
     azimuth, solar = towards if mode == 2 and _inside(geometry, "IPARM") == 2 else (np.nan, np.nan)
     return ModtranSight(mode, kind, height, zenith, 0.0 if np.isnan(end) else end, azimuth, solar)
-
-
-ENDINGS: Final = (".tp7", ".7sc", ".7sr", ".scn")
-
-_HEADER = re.compile(r"^\s*(FREQ|WAVLEN)\b")
-
-_LABEL = re.compile(
-    r"(?:FREQ|WAVLEN) ?\((?:CM-1|MCRN|uM|NM)\)|WAVLEN MCRN|(?:TOT|PTH|THRML|SURF|SOL|SING|SNGL|GRND|DRCT|TOTAL|REF|TOA|BBODY)[ _]"
-    r"(?:TRANS|THRML|SCT|EMIS|SCAT|RFLT|RAD|SOL|SUN|TR|T\[K\])(?![A-Z])|\S+"
-)
-
-_NUMBER = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+|\d+(?=\s|$))(?:[EDed][-+]?\d{2}|[-+]\d{3}(?!\d|\.))?")
-
-_END = re.compile(r"^\s*-9999\.?")
-
-#: Largest offset in columns between the end of a number and that of its column's name: names of mode 3 stand up to 2 aside.
-FARTHEST: Final = 4
-
-UNNAMED_DEPTH: Final = 105  #: Column in which the optical depth ends (T96, E10.3) where the header does not name it: LOWTRAN7, and mode 3.
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,34 @@ from seaglint.base.errors import BackendError, DataError
 from seaglint.base.optional import optional
 from seaglint.formats.recording.stored_values import PLAIN, SeveralChannelsError, ValueFacts, grey
 
+PICTURE_ENDINGS: Final = (".png", ".apng", ".gif", ".bmp", ".pgm", ".pbm", ".ppm", ".pnm", ".pfm", ".jpg", ".jpeg")
+
+VIDEO_ENDINGS = (".mp4", ".avi", ".mkv", ".mov")
+_LIMITED = 1  #: PyAV's number of a limited range of luma (AVCOL_RANGE_MPEG).
+
+LOSSLESS = ("ffv1", "rawvideo", "huffyuv", "ffvhuff", "utvideo", "png")
+
+#: Formats that Pillow opens here: it knows FITS and TIFF too, without the tags that change their numbers.
+_FORMATS: Final = ("PNG", "GIF", "BMP", "DIB", "PPM", "JPEG")
+
+#: Beginnings of files of other formats, with their names and endings.
+_OTHERS: Final = {
+    b"SIMPLE": "FITS (.fits)",
+    b"II*\0": "TIFF (.tif)",
+    b"MM\0*": "TIFF (.tif)",
+    b"\x89HDF": "HDF5 (.h5)",
+    b"\x93NUMPY": "NumPy (.npy)",
+}
+
+_SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
+#: Length of the axis of colours by the colour type of a PNG: grey, RGB, palette (made RGB), grey and alpha, RGB and alpha.
+_CHANNELS: Final = {0: 0, 2: 3, 3: 3, 4: 2, 6: 4}
+
+_BEFORE_PIXELS: Final = 200  #: Largest number of chunks before the pixels that are looked at.
+
+_GAMMA_ONE: Final = 100_000
+_UNEVEN_GIF: Final = 10.0  #: Largest difference between durations of a GIF's frames that rounding to hundredths of a second explains [ms].
+
 
 class ForwardFrames:
     """Decoder of frames in order; a request for earlier ones starts again.
@@ -99,30 +127,6 @@ def channel_index(count: int, requested: str | None, source: object) -> int:
 def first_line(error: BaseException) -> str:
     """Return the first line of an exception's text."""
     return (str(error).splitlines() or [type(error).__name__])[0]
-
-
-PICTURE_ENDINGS: Final = (".png", ".apng", ".gif", ".bmp", ".pgm", ".pbm", ".ppm", ".pnm", ".pfm", ".jpg", ".jpeg")
-
-#: Formats that Pillow opens here: it knows FITS and TIFF too, without the tags that change their numbers.
-_FORMATS: Final = ("PNG", "GIF", "BMP", "DIB", "PPM", "JPEG")
-
-#: Beginnings of files of other formats, with their names and endings.
-_OTHERS: Final = {
-    b"SIMPLE": "FITS (.fits)",
-    b"II*\0": "TIFF (.tif)",
-    b"MM\0*": "TIFF (.tif)",
-    b"\x89HDF": "HDF5 (.h5)",
-    b"\x93NUMPY": "NumPy (.npy)",
-}
-
-_SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
-#: Length of the axis of colours by the colour type of a PNG: grey, RGB, palette (made RGB), grey and alpha, RGB and alpha.
-_CHANNELS: Final = {0: 0, 2: 3, 3: 3, 4: 2, 6: 4}
-
-_BEFORE_PIXELS: Final = 200  #: Largest number of chunks before the pixels that are looked at.
-
-_GAMMA_ONE: Final = 100_000
-_UNEVEN_GIF: Final = 10.0  #: Largest difference between durations of a GIF's frames that rounding to hundredths of a second explains [ms].
 
 
 @dataclass(frozen=True)
@@ -388,12 +392,6 @@ def _radiometric(path: Path) -> list[str]:
         head = file.read(65536)
     thermal = b"\xff\xe1" in head and b"FLIR\x00" in head
     return ["the camera's thermal numbers beside the picture (FLIR) are not read: export them as TIFF"] if thermal else []
-
-
-VIDEO_ENDINGS = (".mp4", ".avi", ".mkv", ".mov")
-_LIMITED = 1  #: PyAV's number of a limited range of luma (AVCOL_RANGE_MPEG).
-
-LOSSLESS = ("ffv1", "rawvideo", "huffyuv", "ffvhuff", "utvideo", "png")
 
 
 def open_video(path: Path, channel: str | None) -> Recording:

@@ -38,6 +38,39 @@ _MINISWHITE: Final = 0
 #: Tags of curves from numbers to light, which are not applied.
 _UNUSED: Final = {291: "GrayResponseCurve", 301: "TransferFunction", 50712: "LinearizationTable"}
 
+_REDUCED, _MASK = 1, 4  #: Bits of NewSubfileType: a reduced version of another page, a transparency mask.
+
+_OLD_REDUCED: Final = 2  #: SubfileType of a reduced version.
+
+_MASK_PICTURE, _PALETTE, _RGB, _YCBCR = 4, 3, 2, 6
+#: Photometric interpretations whose numbers are no measure of radiance.
+_REFUSED: Final = {
+    5: "inks (CMYK)", 8: "CIE L*a*b* colours", 9: "ICC L*a*b* colours", 10: "ITU L*a*b* colours", 32803: "a mosaic of colour filters",
+    32844: "logarithms of luminance (LogL)", 32845: "logarithms of luminance (LogLuv)",
+}  # fmt: skip
+
+#: Compressions that may round numbers: JPEG in two forms, JPEG 2000, LERC, WebP, JPEG XL.
+_LOSSY: Final = (6, 7, 33003, 33004, 33005, 33007, 34712, 34887, 34927, 50001, 50002)
+
+_BEYOND_THE_END: Final = ("invalid page offset", "invalid value offset")  #: Parts of tifffile's messages at a file whose end is missing.
+
+#: Kinds of files whose description says what the pages of a stack are.
+_STACKED: Final = ("is_imagej", "is_ome", "is_stk", "is_lsm", "is_micromanager", "is_scanimage", "is_nih", "is_fluoview", "is_mdgel")
+
+#: Axes of a stack that are frames, the likeliest first: time, index, others, depth (ImageJ calls the frames of a stack slices).
+_TIMES: Final = "TIQRHZ"
+
+#: Turns by Orientation that put the first row at the top and the first column at the left.
+_TURNS: Final[dict[int, Callable[[NDArray[Any]], NDArray[Any]]]] = {
+    2: lambda a: a[:, :, ::-1],
+    3: lambda a: a[:, ::-1, ::-1],
+    4: lambda a: a[:, ::-1],
+    5: lambda a: a.swapaxes(1, 2),
+    6: lambda a: np.rot90(a, -1, (1, 2)),
+    7: lambda a: a.swapaxes(1, 2)[:, ::-1, ::-1],
+    8: lambda a: np.rot90(a, 1, (1, 2)),
+}
+
 
 @dataclass(frozen=True)
 class TiffFacts(ValueFacts):
@@ -273,40 +306,6 @@ def _number(value: Any) -> float | None:
 def _positive(value: Any) -> float | None:
     number = _number(value)
     return number if number is not None and number > 0.0 else None
-
-
-_REDUCED, _MASK = 1, 4  #: Bits of NewSubfileType: a reduced version of another page, a transparency mask.
-
-_OLD_REDUCED: Final = 2  #: SubfileType of a reduced version.
-
-_MASK_PICTURE, _PALETTE, _RGB, _YCBCR = 4, 3, 2, 6
-#: Photometric interpretations whose numbers are no measure of radiance.
-_REFUSED: Final = {
-    5: "inks (CMYK)", 8: "CIE L*a*b* colours", 9: "ICC L*a*b* colours", 10: "ITU L*a*b* colours", 32803: "a mosaic of colour filters",
-    32844: "logarithms of luminance (LogL)", 32845: "logarithms of luminance (LogLuv)",
-}  # fmt: skip
-
-#: Compressions that may round numbers: JPEG in two forms, JPEG 2000, LERC, WebP, JPEG XL.
-_LOSSY: Final = (6, 7, 33003, 33004, 33005, 33007, 34712, 34887, 34927, 50001, 50002)
-
-_BEYOND_THE_END: Final = ("invalid page offset", "invalid value offset")  #: Parts of tifffile's messages at a file whose end is missing.
-
-#: Kinds of files whose description says what the pages of a stack are.
-_STACKED: Final = ("is_imagej", "is_ome", "is_stk", "is_lsm", "is_micromanager", "is_scanimage", "is_nih", "is_fluoview", "is_mdgel")
-
-#: Axes of a stack that are frames, the likeliest first: time, index, others, depth (ImageJ calls the frames of a stack slices).
-_TIMES: Final = "TIQRHZ"
-
-#: Turns by Orientation that put the first row at the top and the first column at the left.
-_TURNS: Final[dict[int, Callable[[NDArray[Any]], NDArray[Any]]]] = {
-    2: lambda a: a[:, :, ::-1],
-    3: lambda a: a[:, ::-1, ::-1],
-    4: lambda a: a[:, ::-1],
-    5: lambda a: a.swapaxes(1, 2),
-    6: lambda a: np.rot90(a, -1, (1, 2)),
-    7: lambda a: a.swapaxes(1, 2)[:, ::-1, ::-1],
-    8: lambda a: np.rot90(a, 1, (1, 2)),
-}
 
 
 @dataclass(frozen=True)

@@ -52,6 +52,25 @@ LEVEL_DIMENSIONS: Final = ("pressure_level", "level", "isobaricInhPa", "plev", "
 
 ROUNDED: Final = {"pressure": 0.1, "height": 1.0}  #: Steps to which sondes' pressures [hPa] and heights [m] are rounded at most.
 
+TIMES: Final = ("valid_time", "time")
+HEIGHTS: Final = ("z", "gh", "geopotential", "geopotential_height")
+TEMPERATURES: Final = ("t", "ta", "temperature")
+MOISTURES: Final[dict[str, Humidity]] = {
+    "q": "specific_humidity", "hus": "specific_humidity", "specific_humidity": "specific_humidity",
+    "r": "relative_humidity_percent", "hur": "relative_humidity_percent", "relative_humidity": "relative_humidity_percent",
+}  # fmt: skip
+
+#: Largest height of the lowest level [m]; it is continued to the sea with its own temperature and humidity.
+HIGHEST_FIRST_LEVEL: Final = 500.0
+
+LOW_TOP: Final = 20e3  #: Height below which the end of a sounding is noted [m].
+
+TOP_M: Final = 100e3  #: Heights above are left out [m].
+
+MOST_LEVELS: Final = 2_000_000  #: Largest number of levels that a file may have.
+
+PLACE_OF_SCENARIO: Final = "give [place] latitude_deg and longitude_deg"  #: Remedy for a file of many places in a scenario.
+
 
 def is_sonde(data: Any) -> bool:
     """Return true for a dataset whose pressures and temperatures are records along one dimension."""
@@ -116,15 +135,6 @@ def read_sonde(path: Path, data: Any) -> RawSounding:
     attributes = " ".join(str(value) for value in data.attrs.values() if isinstance(value, str)).lower()
     form = "AVAPS (NetCDF)" if "avaps" in attributes else "ARM sonde (NetCDF)" if "base_time" in data.variables else "sonde (NetCDF)"
     return with_ozone(sounding_of(form, columns, numbers, steps, geopotential=geopotential), ozone, numbers)
-
-
-TIMES: Final = ("valid_time", "time")
-HEIGHTS: Final = ("z", "gh", "geopotential", "geopotential_height")
-TEMPERATURES: Final = ("t", "ta", "temperature")
-MOISTURES: Final[dict[str, Humidity]] = {
-    "q": "specific_humidity", "hus": "specific_humidity", "specific_humidity": "specific_humidity",
-    "r": "relative_humidity_percent", "hur": "relative_humidity_percent", "relative_humidity": "relative_humidity_percent",
-}  # fmt: skip
 
 
 def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: datetime | None, remedy: str) -> RawSounding:
@@ -206,16 +216,6 @@ def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: da
     return data.isel({latitude: i, longitude: j}), tuple(notes)
 
 
-#: Largest height of the lowest level [m]; it is continued to the sea with its own temperature and humidity.
-HIGHEST_FIRST_LEVEL: Final = 500.0
-
-LOW_TOP: Final = 20e3  #: Height below which the end of a sounding is noted [m].
-
-TOP_M: Final = 100e3  #: Heights above are left out [m].
-
-MOST_LEVELS: Final = 2_000_000  #: Largest number of levels that a file may have.
-
-
 @dataclass(frozen=True, eq=False)
 class Sounding:
     """Sounding from the sea up, after all checks."""
@@ -272,9 +272,6 @@ class Sounding:
             "sounding_sha256": self.digest,
             "sounding_notes": "; ".join(self.notes),
         }
-
-
-PLACE_OF_SCENARIO: Final = "give [place] latitude_deg and longitude_deg"  #: Remedy for a file of many places in a scenario.
 
 
 def read_sounding(

@@ -31,6 +31,33 @@ SPAN: Final = 1000.0  #: Thickness over which heights and pressures are compared
 
 SURFACE_PRESSURES: Final = (850.0, 1100.0)  #: Pressures at the sea [hPa]; hurricanes have 870.
 
+FALL: Final = 0.125  #: Rise of the logarithm of pressure beyond which more than one level is another ascent: a fall of about a kilometre.
+
+#: Rise of the logarithm of pressure in one step, after which levels rise on, that shows a second launch: a fall of some 65 m.
+RESTART: Final = 0.008
+
+GROUND: Final = 0.012  #: Difference of the logarithm of pressure from the first level within which a level is near the ground: some 100 m.
+
+RESTARTED: Final = 3  #: Least number of levels after such a step that lie below those before it; fewer are faults of single levels.
+
+JUMP: Final = 0.7  #: Share of such a rise in a single step that distinguishes another sounding from a descent.
+
+NOISE_HPA: Final = 0.2  #: Rise of pressure, under rising heights, that a sensor's noise explains [hPa].
+
+NOISE_M: Final = 10.0  #: Fall of height, under falling pressures, that noise of the height explains [m].
+
+SAME_M: Final = 1e-3  #: Heights this close are one height [m].
+
+LOST: Final = 0.25  #: Largest share of levels that may fall back.
+
+WARMEST_K: Final = 345.0  #: Largest temperature of real air [K].
+
+COLDEST_K: Final = 130.0  #: Smallest temperature of real air up to 100 km [K].
+
+ABOVE_AIR: Final = 0.5  #: Excess of a dew point over the temperature that rounding and sensors explain [K].
+
+DRIEST_LOW: Final = 20.0  #: Dew-point depression above 700 hPa that no whole sounding exceeds at each of its levels [K].
+
 
 def virtual_temperature(temperature: ArrayLike, pressure: ArrayLike, humidity: ArrayLike) -> FloatArray:
     """Return the temperature of dry air of the same density [K], from temperature [K], pressure [hPa] and relative humidity [%]."""
@@ -148,26 +175,6 @@ def _refuse(path: Path, raw: RawSounding, first: int, last: int, ours: float) ->
         f"{path}: from {raw.pressure[first]:g} to {raw.pressure[last]:g} hPa the heights rise by {given:.0f} m, the pressures and "
         f"temperatures say {ours:.0f} m ({100.0 * (ratio - 1.0):+.0f} %, 2 % are allowed); {what}"
     )
-
-
-FALL: Final = 0.125  #: Rise of the logarithm of pressure beyond which more than one level is another ascent: a fall of about a kilometre.
-
-#: Rise of the logarithm of pressure in one step, after which levels rise on, that shows a second launch: a fall of some 65 m.
-RESTART: Final = 0.008
-
-GROUND: Final = 0.012  #: Difference of the logarithm of pressure from the first level within which a level is near the ground: some 100 m.
-
-RESTARTED: Final = 3  #: Least number of levels after such a step that lie below those before it; fewer are faults of single levels.
-
-JUMP: Final = 0.7  #: Share of such a rise in a single step that distinguishes another sounding from a descent.
-
-NOISE_HPA: Final = 0.2  #: Rise of pressure, under rising heights, that a sensor's noise explains [hPa].
-
-NOISE_M: Final = 10.0  #: Fall of height, under falling pressures, that noise of the height explains [m].
-
-SAME_M: Final = 1e-3  #: Heights this close are one height [m].
-
-LOST: Final = 0.25  #: Largest share of levels that may fall back.
 
 
 def upwards(path: Path, raw: RawSounding) -> tuple[RawSounding, bool]:
@@ -317,15 +324,6 @@ def _falling(raw: RawSounding) -> tuple[FloatArray, int]:
     share = (z - z_low[run]) / np.maximum(z_high - z_low, SAME_M)[run]
     smooth = np.exp(np.log(p_low)[run] * (1.0 - share) + np.log(p_high)[run] * share)
     return np.where(count[run] > 1, smooth, p), int(np.sum(count - 1))
-
-
-WARMEST_K: Final = 345.0  #: Largest temperature of real air [K].
-
-COLDEST_K: Final = 130.0  #: Smallest temperature of real air up to 100 km [K].
-
-ABOVE_AIR: Final = 0.5  #: Excess of a dew point over the temperature that rounding and sensors explain [K].
-
-DRIEST_LOW: Final = 20.0  #: Dew-point depression above 700 hPa that no whole sounding exceeds at each of its levels [K].
 
 
 def check_units(path: Path, raw: RawSounding) -> None:

@@ -38,6 +38,115 @@ Humidity = Literal["dewpoint_k", "relative_humidity_percent", "mixing_ratio_g_kg
 
 VAPOUR_CONSTANT: Final = 461.5  #: Specific gas constant of water vapour [J kg-1 K-1].
 
+#: Names of quantities without their unit, the preferred first; a bare name needs no unit.
+PRESSURE: Final = ("pressure", "pres", "press", "p", "pc", "pm", "air_pressure", "prs")
+HEIGHT: Final = ("height", "altitude", "alt", "z", "geometric_height", "height_msl", "altitude_msl", "zmsl")
+GEOPOTENTIAL: Final = (
+    *("geopotential_height", "geopotheight", "geopoalt", "geopot", "gph", "hght", "hgt", "geopoten", "geopotential_altitude", "gpm"),
+    *("geopot_height", "heightmsl", "hgt_msl"),  # Vaisala's heights above the sea follow from its pressures
+)
+SATELLITE: Final = ("gpsalt", "gps_alt", "gps_altitude", "gpsheightmsl")
+TEMPERATURE: Final = ("temperature", "temp", "tmp", "tdry", "air_temperature", "tair", "ta", "t", "dry_bulb_temperature")
+DEW_POINT: Final = (
+    *("dewpoint", "dew_point", "dew_point_temperature", "dewpoint_temperature", "td", "dwpt", "dewp", "dewpt", "dewpnt", "dp", "dew"),
+    *("dwp", "dew_pt", "tdew"),
+)
+DEPRESSION: Final = ("dew_point_depression", "dewpoint_depression", "dpdp", "dpd", "depression", "t_td")
+HUMIDITY: Final = ("relative_humidity", "rh", "relh", "humidity", "rel_humidity", "rel_hum", "hum", "hur", "hu")
+MIXING: Final = ("mixing_ratio", "mixr", "mix_ratio", "water_vapor_mixing_ratio", "water_vapour_mixing_ratio")
+SPECIFIC: Final = ("specific_humidity", "spfh", "hus", "sphu")
+
+#: Names of GEMPAK and its like, with the unit that they stand for.
+FIXED: Final = {"tmpc": ("temperature", "c"), "tmpk": ("temperature", "k"), "tmpf": ("temperature", "f"), "dwpc": ("dewpoint", "c"),
+                "dwpk": ("dewpoint", "k"), "dwpf": ("dewpoint", "f"), "press_mb": ("pressure", "hpa")}  # fmt: skip
+
+#: Names that are short for other things too: they count with a unit alone; ``p`` counts as hPa.
+BARE: Final = frozenset({"t", "z", "p", "td", "ta", "dp", "dew"})
+
+#: Units by their spelling, in lower case without signs of degrees.
+UNITS: Final = {
+    **dict.fromkeys(("hpa", "mb", "mbar", "mbars", "hectopascal", "hectopascals", "millibar", "millibars"), "hpa"),
+    **dict.fromkeys(("pa", "pascal", "pascals"), "pa"),
+    **dict.fromkeys(("kpa", "kilopascal"), "kpa"),
+    **dict.fromkeys(("k", "kelvin", "degk", "deg_k", "kelvins"), "k"),
+    **dict.fromkeys(("c", "degc", "deg_c", "celsius", "degrees_celsius", "degree_celsius", "degrees_c", "degreec", "cel"), "c"),
+    **dict.fromkeys(("f", "degf", "deg_f", "fahrenheit", "degrees_fahrenheit", "degrees_f", "degreef"), "f"),
+    **dict.fromkeys(("m", "meter", "meters", "metre", "metres", "gpm", "m_asl", "m_msl", "meters_asl", "mamsl", "masl"), "m"),
+    **dict.fromkeys(("ft", "feet", "foot"), "ft"),
+    **dict.fromkeys(("km", "kilometer", "kilometre", "kilometers", "kilometres"), "km"),
+    **dict.fromkeys(("%", "percent", "pct", "rh_percent", "%rh", "per_cent"), "%"),
+    **dict.fromkeys(("1", "fraction", "share"), "1"),
+    **dict.fromkeys(("g_kg", "g/kg", "gkg", "g_kg-1", "g_kg^-1", "g_per_kg"), "g/kg"),
+    **dict.fromkeys(("kg_kg", "kg/kg", "kg_kg-1", "kg_kg**-1", "kg_kg^-1"), "kg/kg"),
+}
+
+#: Units of a quantity.
+ALLOWED: Final[dict[str, tuple[str, ...]]] = {
+    "pressure": ("hpa", "pa", "kpa"), "height": ("m", "ft", "km"), "temperature": ("c", "k", "f"), "dewpoint": ("c", "k", "f"),
+    "depression": ("c", "k", "f"), "humidity": ("%", "1"), "mixing": ("g/kg", "kg/kg"), "specific": ("kg/kg", "g/kg"),
+}  # fmt: skip
+
+#: Names by kind of quantity, and the quantity of a level that it is.
+QUANTITIES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
+    "pressure": ("pressure", PRESSURE), "height": ("height", (*HEIGHT, *GEOPOTENTIAL, *SATELLITE)),
+    "temperature": ("temperature", TEMPERATURE),
+    "dewpoint": ("humidity", DEW_POINT), "depression": ("humidity", DEPRESSION), "humidity": ("humidity", HUMIDITY),
+    "mixing": ("humidity", MIXING), "specific": ("humidity", SPECIFIC),
+}  # fmt: skip
+
+#: Quantity of a level by the kind of its humidity, the preferred first.
+HUMIDITIES: Final[dict[str, Humidity]] = {
+    "dewpoint": "dewpoint_k", "depression": "dewpoint_k", "humidity": "relative_humidity_percent", "mixing": "mixing_ratio_g_kg",
+    "specific": "specific_humidity",
+}  # fmt: skip
+
+#: Units of names without one; temperatures and dew points without one are Celsius below :data:`KELVIN_FROM`.
+DEFAULTS: Final = {"pressure": "hpa", "height": "m", "humidity": "%", "mixing": "g/kg", "specific": "kg/kg", "depression": "k"}
+
+KELVIN_FROM: Final = 130.0  #: Median of a temperature without a unit from which it is in kelvin.
+
+ZERO_C: Final = 273.15
+
+#: Factors of pressures to hPa and of heights to m by their unit.
+FACTORS: Final = {"pa": 0.01, "kpa": 10.0, "ft": 0.3048, "km": 1e3}
+
+#: Factors of humidities to their usual unit by kind and unit.
+HUMIDITY_FACTORS: Final = {("specific", "g/kg"): 1e-3, ("humidity", "1"): 100.0, ("mixing", "kg/kg"): 1e3}
+
+#: Units by their plain spelling; ``ppm`` is not among them: files have it by mass and by volume.
+OZONE_UNITS: Final = {
+    "ppmv": "ppmv", "mmr": "kg/kg", "mpa": "mPa", "ppbv": "ppbv",
+    **dict.fromkeys(("kg_kg", "kg_kg-1", "kg_kg**-1", "kg_kg^-1"), "kg/kg"),
+    **dict.fromkeys(("mol_mol", "mol_mol-1", "mol_mol**-1", "mol_mol^-1"), "mol/mol"),
+}  # fmt: skip
+
+RANKS: Final = ("ppmv", "kg/kg", "mPa", "ppbv", "mol/mol")  #: Units, the preferred first, where several columns have as many values.
+
+OZONE_ALLOWED: Final = (
+    "ozone_ppmv or ozone_ppbv (parts per million or billion of the volume of air), ozone_mmr (mass mixing ratio, kg/kg) or ozone_mpa (mPa)"
+)
+
+MOLAR: Final = 28.9644 / 47.9982  #: Molar mass of air over that of ozone [1].
+
+FURTHER_MISSING: Final = (99.9, 99.99, 9000.0)  #: Further numbers for a missing value in ozonesondes' files.
+
+MOST_PPMV: Final = 20.0  #: Largest ozone of real air [1e-6 of the volume]; the most of the stratosphere is some 12.
+
+MOST_LOW_PPMV: Final = 1.0  #: Largest ozone of real air below the level of :data:`LOW_HPA` [1e-6 of the volume]; foul air has up to 0.4.
+
+#: Smallest median of ozone in real air [1e-6 of the volume]; tropical air over oceans has some 0.01.
+LEAST_PPMV: Final = 1e-3
+
+LOW_HPA: Final = 500.0
+
+ROUNDED_PPMV: Final = -1e-3  #: Least value that the packing of gridded analyses explains [1e-6 of the volume].
+
+#: Names of the amount of ozone, without its unit; an ozone column of another name is one of errors, currents or flags.
+AMOUNTS: Final = frozenset({
+    *("ozone", "o3", "go3", "ozone_mixing_ratio", "o3_mixing_ratio", "ozone_partial_pressure", "o3_partial_pressure", "ozone_mass"),
+    *("ozone_mass_mixing_ratio", "ozone_volume_mixing_ratio", "mass_fraction_of_ozone_in_air", "mole_fraction_of_ozone_in_air"),
+})  # fmt: skip
+
 
 @dataclass(frozen=True, eq=False)
 class RawSounding:
@@ -134,82 +243,6 @@ def is_missing_text(text: str) -> bool:
     (True, False)
     """
     return text.lower() in MISSING_TEXTS or set(text) <= {text[0]} <= set("-/*.")
-
-
-#: Names of quantities without their unit, the preferred first; a bare name needs no unit.
-PRESSURE: Final = ("pressure", "pres", "press", "p", "pc", "pm", "air_pressure", "prs")
-HEIGHT: Final = ("height", "altitude", "alt", "z", "geometric_height", "height_msl", "altitude_msl", "zmsl")
-GEOPOTENTIAL: Final = (
-    *("geopotential_height", "geopotheight", "geopoalt", "geopot", "gph", "hght", "hgt", "geopoten", "geopotential_altitude", "gpm"),
-    *("geopot_height", "heightmsl", "hgt_msl"),  # Vaisala's heights above the sea follow from its pressures
-)
-SATELLITE: Final = ("gpsalt", "gps_alt", "gps_altitude", "gpsheightmsl")
-TEMPERATURE: Final = ("temperature", "temp", "tmp", "tdry", "air_temperature", "tair", "ta", "t", "dry_bulb_temperature")
-DEW_POINT: Final = (
-    *("dewpoint", "dew_point", "dew_point_temperature", "dewpoint_temperature", "td", "dwpt", "dewp", "dewpt", "dewpnt", "dp", "dew"),
-    *("dwp", "dew_pt", "tdew"),
-)
-DEPRESSION: Final = ("dew_point_depression", "dewpoint_depression", "dpdp", "dpd", "depression", "t_td")
-HUMIDITY: Final = ("relative_humidity", "rh", "relh", "humidity", "rel_humidity", "rel_hum", "hum", "hur", "hu")
-MIXING: Final = ("mixing_ratio", "mixr", "mix_ratio", "water_vapor_mixing_ratio", "water_vapour_mixing_ratio")
-SPECIFIC: Final = ("specific_humidity", "spfh", "hus", "sphu")
-
-#: Names of GEMPAK and its like, with the unit that they stand for.
-FIXED: Final = {"tmpc": ("temperature", "c"), "tmpk": ("temperature", "k"), "tmpf": ("temperature", "f"), "dwpc": ("dewpoint", "c"),
-                "dwpk": ("dewpoint", "k"), "dwpf": ("dewpoint", "f"), "press_mb": ("pressure", "hpa")}  # fmt: skip
-
-#: Names that are short for other things too: they count with a unit alone; ``p`` counts as hPa.
-BARE: Final = frozenset({"t", "z", "p", "td", "ta", "dp", "dew"})
-
-#: Units by their spelling, in lower case without signs of degrees.
-UNITS: Final = {
-    **dict.fromkeys(("hpa", "mb", "mbar", "mbars", "hectopascal", "hectopascals", "millibar", "millibars"), "hpa"),
-    **dict.fromkeys(("pa", "pascal", "pascals"), "pa"),
-    **dict.fromkeys(("kpa", "kilopascal"), "kpa"),
-    **dict.fromkeys(("k", "kelvin", "degk", "deg_k", "kelvins"), "k"),
-    **dict.fromkeys(("c", "degc", "deg_c", "celsius", "degrees_celsius", "degree_celsius", "degrees_c", "degreec", "cel"), "c"),
-    **dict.fromkeys(("f", "degf", "deg_f", "fahrenheit", "degrees_fahrenheit", "degrees_f", "degreef"), "f"),
-    **dict.fromkeys(("m", "meter", "meters", "metre", "metres", "gpm", "m_asl", "m_msl", "meters_asl", "mamsl", "masl"), "m"),
-    **dict.fromkeys(("ft", "feet", "foot"), "ft"),
-    **dict.fromkeys(("km", "kilometer", "kilometre", "kilometers", "kilometres"), "km"),
-    **dict.fromkeys(("%", "percent", "pct", "rh_percent", "%rh", "per_cent"), "%"),
-    **dict.fromkeys(("1", "fraction", "share"), "1"),
-    **dict.fromkeys(("g_kg", "g/kg", "gkg", "g_kg-1", "g_kg^-1", "g_per_kg"), "g/kg"),
-    **dict.fromkeys(("kg_kg", "kg/kg", "kg_kg-1", "kg_kg**-1", "kg_kg^-1"), "kg/kg"),
-}
-
-#: Units of a quantity.
-ALLOWED: Final[dict[str, tuple[str, ...]]] = {
-    "pressure": ("hpa", "pa", "kpa"), "height": ("m", "ft", "km"), "temperature": ("c", "k", "f"), "dewpoint": ("c", "k", "f"),
-    "depression": ("c", "k", "f"), "humidity": ("%", "1"), "mixing": ("g/kg", "kg/kg"), "specific": ("kg/kg", "g/kg"),
-}  # fmt: skip
-
-#: Names by kind of quantity, and the quantity of a level that it is.
-QUANTITIES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
-    "pressure": ("pressure", PRESSURE), "height": ("height", (*HEIGHT, *GEOPOTENTIAL, *SATELLITE)),
-    "temperature": ("temperature", TEMPERATURE),
-    "dewpoint": ("humidity", DEW_POINT), "depression": ("humidity", DEPRESSION), "humidity": ("humidity", HUMIDITY),
-    "mixing": ("humidity", MIXING), "specific": ("humidity", SPECIFIC),
-}  # fmt: skip
-
-#: Quantity of a level by the kind of its humidity, the preferred first.
-HUMIDITIES: Final[dict[str, Humidity]] = {
-    "dewpoint": "dewpoint_k", "depression": "dewpoint_k", "humidity": "relative_humidity_percent", "mixing": "mixing_ratio_g_kg",
-    "specific": "specific_humidity",
-}  # fmt: skip
-
-#: Units of names without one; temperatures and dew points without one are Celsius below :data:`KELVIN_FROM`.
-DEFAULTS: Final = {"pressure": "hpa", "height": "m", "humidity": "%", "mixing": "g/kg", "specific": "kg/kg", "depression": "k"}
-
-KELVIN_FROM: Final = 130.0  #: Median of a temperature without a unit from which it is in kelvin.
-
-ZERO_C: Final = 273.15
-
-#: Factors of pressures to hPa and of heights to m by their unit.
-FACTORS: Final = {"pa": 0.01, "kpa": 10.0, "ft": 0.3048, "km": 1e3}
-
-#: Factors of humidities to their usual unit by kind and unit.
-HUMIDITY_FACTORS: Final = {("specific", "g/kg"): 1e-3, ("humidity", "1"): 100.0, ("mixing", "kg/kg"): 1e3}
 
 
 def plain_name(text: str) -> str:
@@ -361,35 +394,6 @@ def sounding_of(
     return raw
 
 
-#: Units by their plain spelling; ``ppm`` is not among them: files have it by mass and by volume.
-OZONE_UNITS: Final = {
-    "ppmv": "ppmv", "mmr": "kg/kg", "mpa": "mPa", "ppbv": "ppbv",
-    **dict.fromkeys(("kg_kg", "kg_kg-1", "kg_kg**-1", "kg_kg^-1"), "kg/kg"),
-    **dict.fromkeys(("mol_mol", "mol_mol-1", "mol_mol**-1", "mol_mol^-1"), "mol/mol"),
-}  # fmt: skip
-
-RANKS: Final = ("ppmv", "kg/kg", "mPa", "ppbv", "mol/mol")  #: Units, the preferred first, where several columns have as many values.
-
-OZONE_ALLOWED: Final = (
-    "ozone_ppmv or ozone_ppbv (parts per million or billion of the volume of air), ozone_mmr (mass mixing ratio, kg/kg) or ozone_mpa (mPa)"
-)
-
-MOLAR: Final = 28.9644 / 47.9982  #: Molar mass of air over that of ozone [1].
-
-FURTHER_MISSING: Final = (99.9, 99.99, 9000.0)  #: Further numbers for a missing value in ozonesondes' files.
-
-MOST_PPMV: Final = 20.0  #: Largest ozone of real air [1e-6 of the volume]; the most of the stratosphere is some 12.
-
-MOST_LOW_PPMV: Final = 1.0  #: Largest ozone of real air below the level of :data:`LOW_HPA` [1e-6 of the volume]; foul air has up to 0.4.
-
-#: Smallest median of ozone in real air [1e-6 of the volume]; tropical air over oceans has some 0.01.
-LEAST_PPMV: Final = 1e-3
-
-LOW_HPA: Final = 500.0
-
-ROUNDED_PPMV: Final = -1e-3  #: Least value that the packing of gridded analyses explains [1e-6 of the volume].
-
-
 @dataclass(frozen=True)
 class OzoneColumn:
     """A column that holds ozone."""
@@ -408,13 +412,6 @@ class OzoneColumn:
             return 10.0 * values / np.where(pressure > 0.0, pressure, np.nan)
         factor = {"kg/kg": 1e6 * MOLAR, "ppbv": 1e-3, "mol/mol": 1e6}.get(self.unit)
         return values if factor is None else factor * values
-
-
-#: Names of the amount of ozone, without its unit; an ozone column of another name is one of errors, currents or flags.
-AMOUNTS: Final = frozenset({
-    *("ozone", "o3", "go3", "ozone_mixing_ratio", "o3_mixing_ratio", "ozone_partial_pressure", "o3_partial_pressure", "ozone_mass"),
-    *("ozone_mass_mixing_ratio", "ozone_volume_mixing_ratio", "mass_fraction_of_ozone_in_air", "mole_fraction_of_ozone_in_air"),
-})  # fmt: skip
 
 
 def ozone_columns(

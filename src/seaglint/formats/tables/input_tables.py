@@ -21,6 +21,12 @@ from seaglint.base.errors import DataError
 from seaglint.formats.tables.table_text import TextTable, csv_text, plain_number, read_cell_lines
 from seaglint.store.outputs import read_text, refuse_existing, write_text
 
+#: Columns that a file of a sensor's keyframes may have; the time is required, and one more.
+COLUMNS: Final = ("time_s", "east_m", "north_m", "height_m", "azimuth_deg", "elevation_deg", "roll_deg")
+
+#: Columns that a file of an object's keyframes may have.
+OBJECT_COLUMNS: Final = (*COLUMNS[:4], "latitude_deg", "longitude_deg", "heading_deg", "pitch_deg", "roll_deg")
+
 _SEPARATORS: Final = (",", ";", "\t")
 
 
@@ -219,13 +225,6 @@ def _cells(values: Sequence[object] | FloatArray) -> list[str]:
     if isinstance(values, np.ndarray):
         return [f"{value:.6g}" for value in values.tolist()]
     return [str(value) for value in values]
-
-
-#: Columns that a file of a sensor's keyframes may have; the time is required, and one more.
-COLUMNS: Final = ("time_s", "east_m", "north_m", "height_m", "azimuth_deg", "elevation_deg", "roll_deg")
-
-#: Columns that a file of an object's keyframes may have.
-OBJECT_COLUMNS: Final = (*COLUMNS[:4], "latitude_deg", "longitude_deg", "heading_deg", "pitch_deg", "roll_deg")
 
 
 def read_track(path: str | Path, allowed: Sequence[str] = COLUMNS) -> tuple[dict[str, FloatArray], list[str]]:

@@ -51,6 +51,8 @@ from seaglint.formats.waves.wave_records import (
 )
 from seaglint.store import outputs
 
+Record = Mapping[str, Any]
+
 CDIP_DENSITY: Final = "waveEnergyDensity"  #: Variable of energies, by which these files are recognised.
 
 _TIMES: Final = ("waveTime", "time")
@@ -74,6 +76,16 @@ _AGREE_ONE: Final = 1.05  # sampling noise of narrow swell exceeds 1 by less
 _AGREE_WHOLE_DEG: Final = 30.0  # one mean direction for all bands, however it is averaged
 _AGREE_HEIGHT: Final = 0.25  # share of the height: another unit of energy is at least a factor of 1.4 in height
 _NARROWEST, _WIDEST_CDIP = 1.0, 80.0  # deg: the limits of the cosine to a power
+
+_NAME: Final = re.compile(r"^(.*)\}(\d{4}-\d{2}-\d{2})T(\d{2})h(\d{2})Z?$")
+_WIDEST: Final = (80.0, 81.1)  # deg: the cosine's limit, and sqrt(2) rad, the width of bands without any direction
+
+_COLUMNS: Final = ("frequency", "varianceDensity", "a1", "b1", "a2", "b2")
+
+_AGAIN: Final = "give a Spotter's file as its dashboard or programming interface wrote it, or see sea.spectrum.format"
+
+_TYPE = re.compile(r"^\s*TYPE\s*=\s*(.*?)\s*$", re.MULTILINE)
+_ZONE = re.compile(r"^\s*DATE\s*=.*\((.*?)\)", re.MULTILINE)
 
 
 def read_cdip(path: Path, choice: WaveChoice) -> WaveRecords:
@@ -276,10 +288,6 @@ def _require_near(away: FloatArray, weight: FloatArray, what: str, path: Path, a
         raise DataError(f"{path}: {what} differ by {apart:.0f} deg ({allowed:g} allowed); correct the one that is wrong")
 
 
-_NAME: Final = re.compile(r"^(.*)\}(\d{4}-\d{2}-\d{2})T(\d{2})h(\d{2})Z?$")
-_WIDEST: Final = (80.0, 81.1)  # deg: the cosine's limit, and sqrt(2) rad, the width of bands without any direction
-
-
 def read_datawell(path: Path) -> WaveRecords:
     """Read the only record of a file."""
     name = _NAME.match(path.stem)
@@ -295,13 +303,6 @@ def read_datawell(path: Path) -> WaveRecords:
     return WaveRecords(
         lambda *_: Cosine(frequency, energy, directions, np.minimum(width, limit)), np.array([moment], "datetime64[ns]"), (name[1],)
     )
-
-
-_COLUMNS: Final = ("frequency", "varianceDensity", "a1", "b1", "a2", "b2")
-
-_AGAIN: Final = "give a Spotter's file as its dashboard or programming interface wrote it, or see sea.spectrum.format"
-
-Record = Mapping[str, Any]
 
 
 def read_spotter_json(path: Path) -> WaveRecords:
@@ -346,10 +347,6 @@ def _spotter_bands(path: Path, record: Record) -> Bands:
         )
     # The Spotter's angles theta: from counter-clockwise of east to clockwise of north: exp(i phi) = i conj(exp(i theta)).
     return DirectionalMoments(frequency, energy, 1j * np.conj(a1 + 1j * b1), -np.conj(a2 + 1j * b2))
-
-
-_TYPE = re.compile(r"^\s*TYPE\s*=\s*(.*?)\s*$", re.MULTILINE)
-_ZONE = re.compile(r"^\s*DATE\s*=.*\((.*?)\)", re.MULTILINE)
 
 
 def read_triaxys(path: Path) -> WaveRecords:

@@ -37,10 +37,47 @@ from seaglint.base.errors import DataError
 from seaglint.formats.tables.table_text import plain_number
 from seaglint.formats.waves.wave_records import Bands, DirectionalMoments, Plain, WaveChoice, WaveRecords, netcdf_records, parsed
 
+LengthUnit = Literal["ones", "hundredths", "unknown"]  #: Unit of r1 and r2 as the file states it.
+
+YEAR_NAMES: Final = ("YY", "YYYY")  #: Headings of the column of years; from 2007 on the line begins with ``#``.
+
+#: Suffixes of the realtime files of one buoy: energy, mean and principal direction, and the lengths of the two moments.
+SUFFIXES: Final = (".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2")
+
+#: Variables of MHKiT's files: energy, mean and principal direction, and the lengths of the two moments.
+MHKIT: Final = ("swden", "swdir", "swdir2", "swr1", "swr2")
+
 _WHOLE: Final = re.compile(r"\d{1,4}")
 _PIVOT: Final = 70  # NDBC's first buoys are of the 1970s
 
-YEAR_NAMES: Final = ("YY", "YYYY")  #: Headings of the column of years; from 2007 on the line begins with ``#``.
+_NINES: Final = (99.0, 999.0, 9999.0)
+_CERTAIN: Final = 2.0  # in hundredths: no sea has only lengths of 0.02 or less
+
+_WORDS: Final = (
+    (r"met(?:er|re)s?", "m"),
+    (r"squared|\^2|\*\*2|²", "2"),
+    (r"hertz", "hz"),
+    (r"seconds?|sec\b", "s"),
+    (r"\bper\b", "/"),
+    (r"⁻¹|\^-1|\*\*-1", "-1"),
+    (r"m\s*\*\s*m\b", "m2"),
+    (r"[\s()\[\]*.·_^]", ""),
+)
+_DENSITIES: Final = {"m2/hz", "m2hz-1", "m2s", "m2/(hz)", "m2/s-1"}
+_FREQUENCIES: Final = {"hz", "s-1", "1/s", "/s", "cycles/s", "cyclespersecond"}
+_DEGREES: Final = re.compile(r"(?:deg(?:ree)?s?|°)(?:t|true|fromtrue(?:north)?|truenorth|clockwisefromtrue(?:north)?)?")
+_ONES: Final = {"1", "-", "none", "dimensionless", "nondimensional", "unitless"}
+_HUNDREDTHS: Final = {"%", "percent", "hundredths", "0.01", "1e-2", "1e-02", "10-2"}
+_MAGNETIC: Final = re.compile(r"magnetic north|degrees? magnetic|\bdeg_?M\b|relative to magnetic", re.IGNORECASE)
+_FILLED: Final = -999.0  # -999, -999.9, -999.99 and -9999, where no attribute says that it is a fill value
+
+_PAIR: Final = re.compile(r"(\S+)\s*\(\s*([0-9.]+)\s*\)")
+_BRACKET: Final = re.compile(r"\([^)]*\)")
+_ABSENT: Final = ("MM", "N/A", "NaN", "nan")
+
+_LETTERS: Final = "wdijk"  # the same five of a year or month, after the five letters of the station: 41010w2019.txt
+_HISTORICAL: Final = re.compile(r"^(.{5})([wdijk])(.*\.txt(?:\.gz)?)$")
+_NDBC: Final = ("spectral_wave_density", "mean_wave_dir", "principal_wave_dir", "wave_spectrum_r1", "wave_spectrum_r2")
 
 
 def headings_of(line: str) -> list[str]:
@@ -102,12 +139,6 @@ def moment_of(cells: Sequence[str]) -> datetime:
     return datetime(full_year(year), month, day, hour, minute)
 
 
-LengthUnit = Literal["ones", "hundredths", "unknown"]  #: Unit of r1 and r2 as the file states it.
-
-_NINES: Final = (99.0, 999.0, 9999.0)
-_CERTAIN: Final = 2.0  # in hundredths: no sea has only lengths of 0.02 or less
-
-
 def energy_known(energy: FloatArray) -> FloatArray:
     """Return energies with NaN for those written as nines; a storm has densities above 99 m²/Hz, so only 99, 999 and 9999 count."""
     return np.where(np.isin(energy, _NINES), np.nan, energy)
@@ -157,25 +188,6 @@ def _scale(lengths: list[NDArray[np.float64]], unit: LengthUnit, what: str) -> f
         shown = " and ".join(f"{value:g}" for value in largest)
         raise DataError(f"{what}: r1 and r2 reach {shown}, which is neither 0-1 nor hundredths for both; give both in 0-1 or in hundredths")
     return 0.01
-
-
-_WORDS: Final = (
-    (r"met(?:er|re)s?", "m"),
-    (r"squared|\^2|\*\*2|²", "2"),
-    (r"hertz", "hz"),
-    (r"seconds?|sec\b", "s"),
-    (r"\bper\b", "/"),
-    (r"⁻¹|\^-1|\*\*-1", "-1"),
-    (r"m\s*\*\s*m\b", "m2"),
-    (r"[\s()\[\]*.·_^]", ""),
-)
-_DENSITIES: Final = {"m2/hz", "m2hz-1", "m2s", "m2/(hz)", "m2/s-1"}
-_FREQUENCIES: Final = {"hz", "s-1", "1/s", "/s", "cycles/s", "cyclespersecond"}
-_DEGREES: Final = re.compile(r"(?:deg(?:ree)?s?|°)(?:t|true|fromtrue(?:north)?|truenorth|clockwisefromtrue(?:north)?)?")
-_ONES: Final = {"1", "-", "none", "dimensionless", "nondimensional", "unitless"}
-_HUNDREDTHS: Final = {"%", "percent", "hundredths", "0.01", "1e-2", "1e-02", "10-2"}
-_MAGNETIC: Final = re.compile(r"magnetic north|degrees? magnetic|\bdeg_?M\b|relative to magnetic", re.IGNORECASE)
-_FILLED: Final = -999.0  # -999, -999.9, -999.99 and -9999, where no attribute says that it is a fill value
 
 
 def unit_of(data: Any, name: str) -> str:
@@ -250,11 +262,6 @@ def length_unit_of(data: Any, names: tuple[str, str], path: Path) -> LengthUnit:
     if hundredths:
         return "hundredths"
     return "ones" if ones or "nondimensional" in words or "dimensionless" in words else "unknown"
-
-
-_PAIR: Final = re.compile(r"(\S+)\s*\(\s*([0-9.]+)\s*\)")
-_BRACKET: Final = re.compile(r"\([^)]*\)")
-_ABSENT: Final = ("MM", "N/A", "NaN", "nan")
 
 
 @dataclass(frozen=True)
@@ -383,17 +390,6 @@ def _frequencies(path: Path, number: int, names: list[str]) -> tuple[float, ...]
     if not values:
         raise unreadable(path, f"line {number}: the headings '{' '.join(names)[:40]}' are not frequencies; give a file of spectra")
     return values
-
-
-#: Suffixes of the realtime files of one buoy: energy, mean and principal direction, and the lengths of the two moments.
-SUFFIXES: Final = (".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2")
-
-_LETTERS: Final = "wdijk"  # the same five of a year or month, after the five letters of the station: 41010w2019.txt
-_HISTORICAL: Final = re.compile(r"^(.{5})([wdijk])(.*\.txt(?:\.gz)?)$")
-_NDBC: Final = ("spectral_wave_density", "mean_wave_dir", "principal_wave_dir", "wave_spectrum_r1", "wave_spectrum_r2")
-
-#: Variables of MHKiT's files: energy, mean and principal direction, and the lengths of the two moments.
-MHKIT: Final = ("swden", "swdir", "swdir2", "swr1", "swr2")
 
 
 def read_text(path: Path, choice: WaveChoice) -> WaveRecords:

@@ -47,8 +47,22 @@ from seaglint.formats.waves.wave_records import (
 )
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 
+Format = Literal["ndbc", "cdip", "mhkit", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"]
+
+#: Names of the formats that ``sea.spectrum.format`` takes.
+FORMATS: Final[tuple[Format, ...]] = get_args(Format)
+
+log = logging.getLogger(__name__)
+
 #: Numbers of frequencies and directions whose first frequency is 0.03453 Hz: ERA5 and the global forecast since 2010.
 _GRIDS: Final = {(30, 24), (36, 36)}
+
+_HEADER_END: Final = "QUANT"
+
+_ROUNDED: Final = 0.6  # largest distance of a printed direction from its even grid [deg]: 0.005 rad and the offset's own
+
+_NETCDF: Final = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
+_BEGINNING: Final = 8192
 
 
 def read_era5_waves(path: Path) -> WaveRecords:
@@ -102,9 +116,6 @@ def read_octopus(path: Path) -> WaveRecords:
     times = np.asarray(data["time"].values).astype("datetime64[ns]")
     places = [np.broadcast_to(np.ravel(data[name].values), (times.size, 1)) for name in ("lat", "lon")]
     return WaveRecords(lambda moment, _: Bins(frequency, directions, density[moment, 0]), times, ("1",), *places)
-
-
-_HEADER_END: Final = "QUANT"
 
 
 def read_swan_text(path: Path) -> WaveRecords:
@@ -180,9 +191,6 @@ def read_wavespectra(path: Path) -> WaveRecords:
     return netcdf_records(path, "efth", convert)
 
 
-_ROUNDED: Final = 0.6  # largest distance of a printed direction from its even grid [deg]: 0.005 rad and the offset's own
-
-
 def read_ww3_text(path: Path) -> WaveRecords:
     """Read the records of a station's text file with one point."""
     header = parsed(path, "a WAVEWATCH III station file", lambda: path.read_text(encoding="utf-8").partition("\n")[0])
@@ -223,17 +231,6 @@ def read_ww3_netcdf(path: Path) -> WaveRecords:
 
     reader("read_ww3")
     return netcdf_records(path, "efth", convert)
-
-
-Format = Literal["ndbc", "cdip", "mhkit", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"]
-
-#: Names of the formats that ``sea.spectrum.format`` takes.
-FORMATS: Final[tuple[Format, ...]] = get_args(Format)
-
-_NETCDF: Final = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
-_BEGINNING: Final = 8192
-
-log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)

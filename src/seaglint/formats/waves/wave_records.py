@@ -28,8 +28,17 @@ from seaglint.store.outputs import reason_of
 
 Parsed = TypeVar("Parsed")  #: What a parser returns.
 
+ComplexArray = NDArray[np.complex128]
+
+LOST_SHARE = 0.1  #: Largest share of energy in bands without directions [1]; those bands take the directions of their neighbours.
+
 _EARTH_RADIUS_KM = 6371.0
 _LISTED = 8  # sites that an error lists by name
+
+_TIMES: Final = ("valid_time", "time", "date")
+_SITES: Final = ("station", "site", "points")
+_LATITUDES: Final = ("latitude", "lat")
+_LONGITUDES: Final = ("longitude", "lon")
 
 
 @dataclass(frozen=True)
@@ -134,11 +143,6 @@ def distance_km(latitude: float, longitude: float, latitudes: FloatArray, longit
 
 def _text(time: Any) -> str:
     return str(np.datetime_as_string(np.datetime64(time), unit="s")) + "Z"
-
-
-ComplexArray = NDArray[np.complex128]
-
-LOST_SHARE = 0.1  #: Largest share of energy in bands without directions [1]; those bands take the directions of their neighbours.
 
 
 @dataclass(frozen=True, eq=False)
@@ -295,12 +299,6 @@ def parsed(path: Path, kind: str, parse: Callable[[], Parsed]) -> Parsed:
         text = reason_of(error)
         drop_quietly(error)
         raise DataError(f"{path} cannot be read as {kind} ({text}); it may be cut or of another kind: see sea.spectrum.format") from error
-
-
-_TIMES: Final = ("valid_time", "time", "date")
-_SITES: Final = ("station", "site", "points")
-_LATITUDES: Final = ("latitude", "lat")
-_LONGITUDES: Final = ("longitude", "lon")
 
 
 def open_dataset(path: Path) -> Any:

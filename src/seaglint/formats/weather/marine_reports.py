@@ -56,6 +56,32 @@ VISIBILITY_KM: Final = {90: 0.025, 91: 0.05, 92: 0.2, 93: 0.5, 94: 1.0, 95: 2.0,
 
 HALF_METRES: Final = 0.5  #: Unit of the heights of waves and swell [m].
 
+#: Fields of the core in their order, with the number of characters of each; 108 in all.
+CORE: Final = (
+    "YR:4 MO:2 DY:2 HR:4 LAT:5 LON:6 IM:2 ATTC:1 TI:1 LI:1 DS:1 VS:1 NID:2 II:2 ID:9 C1:2 DI:1 D:3 WI:1 W:3 VI:1 VV:2 WW:2 W1:1 SLP:5 A:1 "
+    "PPP:3 IT:1 AT:4 WBTI:1 WBT:4 DPTI:1 DPT:4 SI:2 SST:4 N:1 NH:1 CL:1 HI:1 H:1 CM:1 CH:1 WD:2 WP:2 WH:2 SD:2 SP:2 SH:2"
+)
+
+NAUTICAL_MILE_KM: Final = 1.852
+
+#: Fields that are used and the unit of each: hours, degrees, m/s, degC, oktas, half metres, or a code.
+_SCALE: Final = {
+    "MO": 1.0, "HR": 0.01, "LAT": 0.01, "LON": 0.01, "D": 1.0, "W": 0.1, "VV": 1.0, "WW": 1.0, "AT": 0.1, "DPT": 0.1, "SST": 0.1, "N": 1.0,
+    "WH": 1.0, "SH": 1.0,
+}  # fmt: skip
+
+#: Headings of NCEI's global marine CSV, which keeps IMMA's tenths, and the field of each.
+_NCEI: Final = {
+    "LATITUDE": ("LAT", 1.0), "LONGITUDE": ("LON", 1.0), "WIND_DIR": ("D", 1.0), "WIND_SPEED": ("W", 0.1), "VISIBILITY": ("VV", 1.0),
+    "PRES_WX": ("WW", 1.0), "AIR_TEMP": ("AT", 0.1), "DEW_PT_TEMP": ("DPT", 0.1), "SEA_SURF_TEMP": ("SST", 0.1), "TOT_CLD_AMT": ("N", 1.0),
+    "WAVE_HGT": ("WH", 1.0), "SWELL_HGT": ("SH", 1.0),
+}  # fmt: skip
+
+#: Code of a missing value in each column that is used.
+_MISSING: Final = {"WDIR": 999.0, "WSPD": 99.0, "WVHT": 99.0, "ATMP": 999.0, "WTMP": 999.0, "DEWP": 999.0, "VIS": 99.0}
+
+_ALSO: Final = {"WD": "WDIR"}  #: Earlier spellings of headings.
+
 
 def columns_of(report: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], dict[str, int], list[str]]:
     """Convert the columns of marine reports to the columns of a weather table.
@@ -113,26 +139,6 @@ def _visibility(code: FloatArray) -> FloatArray:
     for step, km in VISIBILITY_KM.items():
         out[code == step] = km
     return out
-
-
-#: Fields of the core in their order, with the number of characters of each; 108 in all.
-CORE: Final = (
-    "YR:4 MO:2 DY:2 HR:4 LAT:5 LON:6 IM:2 ATTC:1 TI:1 LI:1 DS:1 VS:1 NID:2 II:2 ID:9 C1:2 DI:1 D:3 WI:1 W:3 VI:1 VV:2 WW:2 W1:1 SLP:5 A:1 "
-    "PPP:3 IT:1 AT:4 WBTI:1 WBT:4 DPTI:1 DPT:4 SI:2 SST:4 N:1 NH:1 CL:1 HI:1 H:1 CM:1 CH:1 WD:2 WP:2 WH:2 SD:2 SP:2 SH:2"
-)
-
-#: Fields that are used and the unit of each: hours, degrees, m/s, degC, oktas, half metres, or a code.
-_SCALE: Final = {
-    "MO": 1.0, "HR": 0.01, "LAT": 0.01, "LON": 0.01, "D": 1.0, "W": 0.1, "VV": 1.0, "WW": 1.0, "AT": 0.1, "DPT": 0.1, "SST": 0.1, "N": 1.0,
-    "WH": 1.0, "SH": 1.0,
-}  # fmt: skip
-
-#: Headings of NCEI's global marine CSV, which keeps IMMA's tenths, and the field of each.
-_NCEI: Final = {
-    "LATITUDE": ("LAT", 1.0), "LONGITUDE": ("LON", 1.0), "WIND_DIR": ("D", 1.0), "WIND_SPEED": ("W", 0.1), "VISIBILITY": ("VV", 1.0),
-    "PRES_WX": ("WW", 1.0), "AIR_TEMP": ("AT", 0.1), "DEW_PT_TEMP": ("DPT", 0.1), "SEA_SURF_TEMP": ("SST", 0.1), "TOT_CLD_AMT": ("N", 1.0),
-    "WAVE_HGT": ("WH", 1.0), "SWELL_HGT": ("SH", 1.0),
-}  # fmt: skip
 
 
 def _layout() -> dict[str, tuple[int, int]]:
@@ -230,14 +236,6 @@ def read_icoads_csv(cells: TextColumns) -> WeatherSource:
     columns, lost, notes = columns_of(report)
     notes += [*times]
     return WeatherSource(cells.path, "ICOADS CSV", columns, len(cells.rows), set_missing=lost, notes=tuple(notes)).within_ranges()
-
-
-NAUTICAL_MILE_KM: Final = 1.852
-
-#: Code of a missing value in each column that is used.
-_MISSING: Final = {"WDIR": 999.0, "WSPD": 99.0, "WVHT": 99.0, "ATMP": 999.0, "WTMP": 999.0, "DEWP": 999.0, "VIS": 99.0}
-
-_ALSO: Final = {"WD": "WDIR"}  #: Earlier spellings of headings.
 
 
 def looks_like_ndbc(line: str) -> bool:

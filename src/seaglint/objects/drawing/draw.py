@@ -48,7 +48,20 @@ from seaglint.objects.drawing.sample_sums import (
 )
 from seaglint.optics.blackbody import planck_wavenumber
 
+#: Share of the light behind a plume that it absorbs along its chords (:func:`~seaglint.objects.combustion_gas.chord_shares`).
+Cover = Callable[[Mesh | GasPlume | PointSource], FloatArray]
+
 CELLS: Final = 128  #: Number of samples along a side of a part: solid angles within some 0.2 %.
+
+#: Number of cells along a side of a body's shadow map: for a body with at most :data:`_FEW` samples along a side, and for a larger one.
+SHADOW_CELLS: Final = (128, 256)
+
+_FEW: Final = 192
+
+_FACES_SUN: Final = 1e-3  #: Least reflectance of a surface for which its shadow map is computed.
+
+_POLE: Final = math.radians(88.0)
+_CACHED: Final = 4
 
 
 def faces_of(kind: Mesh | GasPlume | PointSource, point: FloatArray, image: FloatArray, bend: float) -> Faces:
@@ -57,10 +70,6 @@ def faces_of(kind: Mesh | GasPlume | PointSource, point: FloatArray, image: Floa
         return Faces(point, image, kind.corners, kind.ends, kind.sides, bend)
     none = np.zeros((0, 3), np.int32)
     return Faces(point, image, none, none[:, :2], none, bend)
-
-
-#: Share of the light behind a plume that it absorbs along its chords (:func:`~seaglint.objects.combustion_gas.chord_shares`).
-Cover = Callable[[Mesh | GasPlume | PointSource], FloatArray]
 
 
 def solid_angles(one: Placed, every: Iterable[Placed], cover: Cover) -> tuple[float, float]:
@@ -144,17 +153,6 @@ def _middle(gas: FloatArray, direction: FloatArray) -> FloatArray:
     """Return the multiple of directions at which they are nearest to a plume's middle, measured in its semi-axes."""
     along = direction @ gas[3:12].reshape(3, 3).T
     return np.asarray(along @ gas[:3] / (along**2).sum(axis=-1))
-
-
-#: Number of cells along a side of a body's shadow map: for a body with at most :data:`_FEW` samples along a side, and for a larger one.
-SHADOW_CELLS: Final = (128, 256)
-
-_FEW: Final = 192
-
-_FACES_SUN: Final = 1e-3  #: Least reflectance of a surface for which its shadow map is computed.
-
-_POLE: Final = math.radians(88.0)
-_CACHED: Final = 4
 
 
 @dataclass(frozen=True, eq=False)

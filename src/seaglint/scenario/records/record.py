@@ -30,6 +30,26 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from seaglint.base.errors import Allowed
 
+_Built = TypeVar("_Built")
+
+# Units that scenarios are written in, with pint's factors to the last bit (0.3048 is one unit there), because pint takes 0.4 s of
+# processor time to start, more than what else there is to read. Any other pair of units is converted by pint.
+FACTORS: Final = {
+    "m": {"m": 1.0, "km": 1000.0, "cm": 0.01, "mm": 0.001, "ft": 0.30479999999999996, "nmi": 1852.0},
+    "deg": {"deg": 1.0, "°": 1.0, "rad": 57.29577951308232, "mrad": 0.057295779513082325},
+    "m/s": {"m/s": 1.0, "km/h": 0.2777777777777778, **dict.fromkeys(("kn", "kt", "kts", "knot", "knots"), 0.5144444444444445)},
+    "K": {"K": 1.0},
+    "um": {"um": 1.0, "nm": 0.001},
+    "s": {"s": 1.0, "ms": 0.001, "min": 60.0, "h": 3600.0},
+    "Hz": {"Hz": 1.0, "kHz": 1000.0},
+    "h": {"h": 1.0, "min": 0.016666666666666666},
+    "km": {"km": 1.0, "m": 0.001, "nmi": 1.852},
+    "urad": {"urad": 1.0, "mrad": 1000.0},
+}
+CELSIUS: Final = ("degC", "°C")
+
+YEARS = (1800, 2200)  #: Years for which the Sun's position is computed, within which the Earth's rotation is known well enough.
+
 # A power as the field writes it: "m2" of "W/m2/sr", which pint reads as "m^2" alone.
 _POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])(?![0-9A-Za-z])")
 
@@ -50,22 +70,6 @@ _SPELLINGS = {
 
 _EXAMPLES = {"m": "30 ft", "deg": "0.1 rad", "m/s": "12 kn", "K": "15 degC", "um": "4000 nm", "Hz": "25 Hz", "1/km": "0.1 / km"}
 
-# Units that scenarios are written in, with pint's factors to the last bit (0.3048 is one unit there), because pint takes 0.4 s of
-# processor time to start, more than what else there is to read. Any other pair of units is converted by pint.
-FACTORS: Final = {
-    "m": {"m": 1.0, "km": 1000.0, "cm": 0.01, "mm": 0.001, "ft": 0.30479999999999996, "nmi": 1852.0},
-    "deg": {"deg": 1.0, "°": 1.0, "rad": 57.29577951308232, "mrad": 0.057295779513082325},
-    "m/s": {"m/s": 1.0, "km/h": 0.2777777777777778, **dict.fromkeys(("kn", "kt", "kts", "knot", "knots"), 0.5144444444444445)},
-    "K": {"K": 1.0},
-    "um": {"um": 1.0, "nm": 0.001},
-    "s": {"s": 1.0, "ms": 0.001, "min": 60.0, "h": 3600.0},
-    "Hz": {"Hz": 1.0, "kHz": 1000.0},
-    "h": {"h": 1.0, "min": 0.016666666666666666},
-    "km": {"km": 1.0, "m": 0.001, "nmi": 1.852},
-    "urad": {"urad": 1.0, "mrad": 1000.0},
-}
-CELSIUS: Final = ("degC", "°C")
-
 # Units in which data sheets and weather reports give what a key wants in another one: of a number outside its range the first that fits is
 # meant. The numbers are the limits of keys that a unit suits [unit of the key]: lenses are not in feet, differences not in degrees Celsius.
 _ANY: Final = (0.0, math.inf)
@@ -82,6 +86,21 @@ MISTAKEN: Final[dict[str, tuple[tuple[str, tuple[float, float]], ...]]] = {
     "urad": (("mrad", _ANY), ("rad", _ANY)),
     "h": (("min", _ANY),),
     "hPa": (("Pa", _ANY), ("kPa", _ANY)),
+}
+
+#: Endings of keys that name a unit, the longest first, and the unit in SI.
+_UNITS: Final = {
+    "e_per_count": 1,
+    "urad_s": 1e-6,
+    "urad": 1e-6,
+    "um": 1e-6,
+    "e_s": 1,
+    "counts": 1,
+    "waves": 1,
+    "m": 1,
+    "s": 1,
+    "k": 1,
+    "e": 1,
 }
 
 
@@ -248,24 +267,6 @@ class Quantity:
         return {"anyOf": [number, {"type": "string", "description": f"number with a unit that converts to {self.unit}, e.g. '{example}'"}]}
 
 
-#: Endings of keys that name a unit, the longest first, and the unit in SI.
-_UNITS: Final = {
-    "e_per_count": 1,
-    "urad_s": 1e-6,
-    "urad": 1e-6,
-    "um": 1e-6,
-    "e_s": 1,
-    "counts": 1,
-    "waves": 1,
-    "m": 1,
-    "s": 1,
-    "k": 1,
-    "e": 1,
-}
-
-_Built = TypeVar("_Built")
-
-
 class Record(BaseModel):
     """Frozen; unknown keys are errors."""
 
@@ -305,9 +306,6 @@ def default_tag(tag: str, value: str) -> BeforeValidator:
         return {tag: value, **raw} if isinstance(raw, dict) and tag not in raw else raw
 
     return BeforeValidator(fill)
-
-
-YEARS = (1800, 2200)  #: Years for which the Sun's position is computed, within which the Earth's rotation is known well enough.
 
 
 def _moment(raw: Any) -> Any:

@@ -19,6 +19,22 @@ _Exposure = Annotated[float, Quantity("s", gt=0, le=1e4)]
 _FNumber = Annotated[float, Quantity(ge=0.5, le=200)]
 _Side = Annotated[int, Quantity(ge=1, le=65_536, integer=True)]
 
+Rms = Quantity("", ge=0, le=1e12)
+Share = Quantity(ge=0, le=1)
+
+HIGHEST_SENSOR = TOP_OF_AIR  #: Greatest height of a sensor [m].
+
+SPACE = "space"  #: Word for the height of the top of the air, above which nothing changes on the way to a satellite but the range.
+
+SQUARE_PIXEL_TOLERANCE = 0.01  #: Relative difference of the pixel's two angular sides up to which it counts as square.
+
+MOST_OBLONG = 3.0  #: Ratio of a pixel's sides from which a mistyped number is likelier than a line scanner.
+
+#: Ratio of sides above which an image upright in pixels and wide in degrees (or the reverse) counts as swapped numbers.
+REVERSED_OBLONG = 1.5
+
+AGREEMENT = 0.005  #: Relative difference up to which two ways of giving the same number agree, since data sheets round.
+
 
 class PhotonDetector(Record):
     """Pixels that count photons: InSb, MCT and others; what is left out is neutral."""
@@ -102,10 +118,6 @@ def _require_offset(detector: PhotonDetector | ThermalDetector) -> None:
 
 
 Detector = Annotated[Annotated[PhotonDetector | ThermalDetector, Field(discriminator="kind")], default_tag("kind", "photon")]
-
-
-Rms = Quantity("", ge=0, le=1e12)
-Share = Quantity(ge=0, le=1)
 
 
 class Noise(Record):
@@ -210,20 +222,6 @@ class Scan(Record):
             raise rule("sensor.scan.row_time_s", "is for staring arrays with a rolling shutter; leave it out, or set kind = 'staring'")
         return self
 
-
-HIGHEST_SENSOR = TOP_OF_AIR  #: Greatest height of a sensor [m].
-
-SPACE = "space"  #: Word for the height of the top of the air, above which nothing changes on the way to a satellite but the range.
-
-SQUARE_PIXEL_TOLERANCE = 0.01  #: Relative difference of the pixel's two angular sides up to which it counts as square.
-
-MOST_OBLONG = 3.0  #: Ratio of a pixel's sides from which a mistyped number is likelier than a line scanner.
-
-#: Ratio of sides above which an image upright in pixels and wide in degrees (or the reverse) counts as swapped numbers.
-REVERSED_OBLONG = 1.5
-
-
-AGREEMENT = 0.005  #: Relative difference up to which two ways of giving the same number agree, since data sheets round.
 
 _PIXELS = (512, 256)
 _DETECTOR: TypeAdapter[Detector] = TypeAdapter(Detector)

@@ -64,6 +64,39 @@ SWEEPS: Final = 300
 #: Slope of the mean field to which couplings are weakened for the molten sample: on the other side of the transition, at 1.
 MOLTEN_SLOPE: Final = 0.8
 
+PATH_BAND: Final = (3.0, 5.0)
+PATH_HEIGHT: Final = 130.0
+PATH_WINDS: Final = (1.0, 5.0, 10.0, 15.0, 20.0)
+PATH_BLACKBODY: Final = 292.4  #: Temperature of the air that the article names beside Fig. 2 [K].
+
+GLINT_BAND: Final = (3.5, 5.0)
+GLINT_HEIGHT: Final = 100.0
+#: Winds of Fig. 3: its calm, whose 526 K is the peak near 0.5 m/s; the 10 m/s of its text; and one between.
+SURFACE_WINDS: Final = (0.5, 5.0, 10.0)
+
+#: Zenith angles of the Sun in Fig. 3 [deg].
+SURFACE_SUNS: Final = np.concatenate([np.arange(70.0, 80.0, 1.0), np.arange(80.0, 90.01, 0.5)])
+
+SURFACE_DEPRESSIONS: Final = 140  #: Depressions of the sensor in Fig. 3, from the horizon to 12 deg.
+
+IMAGE_WINDS: Final = (2.0, 5.0, 10.0)
+IMAGE_WIND_DIRECTIONS: Final = (0.0, 45.0, 90.0)  #: Where the wind of Fig. 4 comes from, clockwise from the Sun [deg].
+
+IMAGE_SUN: Final = 65.0  #: Zenith angle of the Sun in Fig. 4 [deg]: the whole glint pattern lies in view.
+
+IMAGE_IFOV: Final = 1e-3  #: Side of the article's detector [rad].
+
+IMAGE_FIELD: Final = (50.0, 35.0)  #: Azimuths, centred on the Sun's, and depressions from the horizontal down in Fig. 4 [deg].
+
+#: Every how many values of a coordinate the CSV file holds: the images are smooth, and whole would be 200 MB.
+CSV_STEP: Final[dict[str, dict[str, int]]] = {"fig4": {"elevation_deg": 5, "azimuth_from_sun_deg": 10}}
+
+#: Variables that the CSV file does not hold: samples, which seeds give again.
+CSV_WITHOUT: Final[dict[str, tuple[str, ...]]] = {"fig10": ("grey_level",)}
+
+_ALONG_RANGE: Final = ("transmittance", "transmittance_eq_9", "path_radiance_W_m2_sr", "boundary_radiance_W_m2_sr")
+_ALONG_ZENITH: Final = ("solar_irradiance_W_m2", "sky_radiance_W_m2_sr")
+
 
 def ignore_progress(done: int, total: int) -> None:
     """Ignore progress."""
@@ -171,31 +204,6 @@ def _slope(result: AutobinomialFit, sea: NDArray[np.int16]) -> float:
     return mean_field(result.model, float(sea.mean()) / result.model.most)[0]
 
 
-PATH_BAND: Final = (3.0, 5.0)
-PATH_HEIGHT: Final = 130.0
-PATH_WINDS: Final = (1.0, 5.0, 10.0, 15.0, 20.0)
-PATH_BLACKBODY: Final = 292.4  #: Temperature of the air that the article names beside Fig. 2 [K].
-
-GLINT_BAND: Final = (3.5, 5.0)
-GLINT_HEIGHT: Final = 100.0
-#: Winds of Fig. 3: its calm, whose 526 K is the peak near 0.5 m/s; the 10 m/s of its text; and one between.
-SURFACE_WINDS: Final = (0.5, 5.0, 10.0)
-
-#: Zenith angles of the Sun in Fig. 3 [deg].
-SURFACE_SUNS: Final = np.concatenate([np.arange(70.0, 80.0, 1.0), np.arange(80.0, 90.01, 0.5)])
-
-SURFACE_DEPRESSIONS: Final = 140  #: Depressions of the sensor in Fig. 3, from the horizon to 12 deg.
-
-IMAGE_WINDS: Final = (2.0, 5.0, 10.0)
-IMAGE_WIND_DIRECTIONS: Final = (0.0, 45.0, 90.0)  #: Where the wind of Fig. 4 comes from, clockwise from the Sun [deg].
-
-IMAGE_SUN: Final = 65.0  #: Zenith angle of the Sun in Fig. 4 [deg]: the whole glint pattern lies in view.
-
-IMAGE_IFOV: Final = 1e-3  #: Side of the article's detector [rad].
-
-IMAGE_FIELD: Final = (50.0, 35.0)  #: Azimuths, centred on the Sun's, and depressions from the horizontal down in Fig. 4 [deg].
-
-
 def _attributes(title: str, band: tuple[float, float], height: float, **more: Any) -> Attributes:
     from seaglint.version import __version__
 
@@ -251,10 +259,6 @@ def figure_2(report: Progress = ignore_progress) -> xr.Dataset:
             blackbody_radiance_W_m2_sr=blackbody,
         ),
     )
-
-
-_ALONG_RANGE: Final = ("transmittance", "transmittance_eq_9", "path_radiance_W_m2_sr", "boundary_radiance_W_m2_sr")
-_ALONG_ZENITH: Final = ("solar_irradiance_W_m2", "sky_radiance_W_m2_sr")
 
 
 def figure_3(report: Progress = ignore_progress) -> xr.Dataset:
@@ -356,12 +360,6 @@ def figure_4(report: Progress = ignore_progress) -> xr.Dataset:
 
 #: Functions of ``seaglint reproduce`` by the name of the figure.
 FIGURES: Final[dict[str, Callable[[Progress], xr.Dataset]]] = {"fig2": figure_2, "fig3": figure_3, "fig4": figure_4, "fig10": figure_10}
-
-#: Every how many values of a coordinate the CSV file holds: the images are smooth, and whole would be 200 MB.
-CSV_STEP: Final[dict[str, dict[str, int]]] = {"fig4": {"elevation_deg": 5, "azimuth_from_sun_deg": 10}}
-
-#: Variables that the CSV file does not hold: samples, which seeds give again.
-CSV_WITHOUT: Final[dict[str, tuple[str, ...]]] = {"fig10": ("grey_level",)}
 
 
 def table(name: str, dataset: xr.Dataset) -> dict[str, FloatArray]:

@@ -45,13 +45,27 @@ if TYPE_CHECKING:
     from seaglint.air.profile.profile_scattering import Scatterers
     from seaglint.air.scattering.scattering_laws import ScatteringAir
 
-
 MODEL_LEVELS_KM = (*range(1, 26), 30, 35, 40, 45, 50, 70, 100)  #: Levels of LOWTRAN7's own models, which continue a sounding upwards.
 
 LEVELS_ABOVE = 12  #: Largest number of levels of the model above a sounding that needs room itself.
 
 #: Differences of equal weight when levels are left out: relative pressure [1], temperature [K], relative humidity [%].
 THINNING = (0.002, 0.3, 2.0)
+
+#: Zenith angle of the sky in which the effect of continued water vapour is computed [deg]: low sky, as slopes of waves mirror it.
+SKY_DEG: Final = 78.0
+
+MOST_SKY_LEVELS: Final = 2000  #: Largest number of levels of the profiles with which the effect is computed.
+
+LEAST_EFFECT: Final = 0.1  #: Difference of the sky below which no temperatures are reported [K].
+
+ALMOST_NONE: Final = 1e-6  #: Factor of the removed water vapour [1]: an amount of 0 has no logarithm.
+
+OWN_OF_THE_PROFILE: Final = OwnGases()  #: Choice of gases that leaves the gases of the profile unchanged.
+
+INFRARED_CM: Final = 2500.0  #: Wavenumber at which layers that trap rays are searched [cm-1]: 4 um.
+
+_log = logging.getLogger(__name__)
 
 
 def program_levels(path: str | Path, model: str = "midlatitude-summer") -> tuple[ProfileLevel, ...]:
@@ -97,16 +111,6 @@ def _thinned_levels(levels: FloatArray, room: int) -> FloatArray:
         # Chosen levels are interpolated exactly, so the worst level is always a new one.
         chosen.append(int(np.argmax(np.abs(scaled - guess).max(axis=1))))
     return np.asarray(levels[np.sort(chosen)])
-
-
-#: Zenith angle of the sky in which the effect of continued water vapour is computed [deg]: low sky, as slopes of waves mirror it.
-SKY_DEG: Final = 78.0
-
-MOST_SKY_LEVELS: Final = 2000  #: Largest number of levels of the profiles with which the effect is computed.
-
-LEAST_EFFECT: Final = 0.1  #: Difference of the sky below which no temperatures are reported [K].
-
-ALMOST_NONE: Final = 1e-6  #: Factor of the removed water vapour [1]: an amount of 0 has no logarithm.
 
 
 def scenario_sounding(requested: AirWithSounding, scenario: Scenario) -> Sounding:
@@ -200,13 +204,6 @@ def _sky(profile: AirProfile, haze: HazeWeather, height: float, over: Band) -> f
     grid = wavenumber_grid(over.min_um, over.max_um)
     emitted = AirSums(profile, haze, grid).along(height, float(np.radians(SKY_DEG))).emitted
     return float(apparent_temperature(float(emitted @ over.weights(grid)), over, grid))
-
-
-_log = logging.getLogger(__name__)
-
-OWN_OF_THE_PROFILE: Final = OwnGases()  #: Choice of gases that leaves the gases of the profile unchanged.
-
-INFRARED_CM: Final = 2500.0  #: Wavenumber at which layers that trap rays are searched [cm-1]: 4 um.
 
 
 def profile_atmosphere(requested: ComputedAir, scenario: Scenario, over: Band) -> ProfileAtmosphere:

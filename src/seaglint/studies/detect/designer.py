@@ -39,6 +39,14 @@ TAIL_SHARE: Final = 0.02  #: Share of the pixels that a tail holds at most [1].
 
 FEWEST_PIXELS: Final = 200  #: Pixels that it holds at least, as far as that share allows.
 
+INJECTIONS: Final = 120  #: Most objects of each contrast that are tried for a choice; 120 of them know a P_d of 0.9 to 0.03.
+
+LARGEST: Final = 32.0  #: Largest margin that is measured [1]; larger ones count as this.
+
+SMALLEST: Final = 0.125  #: Smallest margin that is measured [1].
+
+_FACTORS: Final = np.geomspace(1.0 / LARGEST, 1.0 / SMALLEST, 17)
+
 
 @dataclass(frozen=True)
 class Design:
@@ -228,15 +236,6 @@ def white_contrast(source: FrameSource, options: DetectionOptions, request: Desi
 def _close(background: Background) -> None:
     if isinstance(background.detector, IsolatedDetector):
         background.detector.close()
-
-
-INJECTIONS: Final = 120  #: Most objects of each contrast that are tried for a choice; 120 of them know a P_d of 0.9 to 0.03.
-
-LARGEST: Final = 32.0  #: Largest margin that is measured [1]; larger ones count as this.
-
-SMALLEST: Final = 0.125  #: Smallest margin that is measured [1].
-
-_FACTORS: Final = np.geomspace(1.0 / LARGEST, 1.0 / SMALLEST, 17)
 
 
 def tried_detectors(

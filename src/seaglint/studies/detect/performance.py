@@ -35,6 +35,10 @@ from seaglint.store.detection_results import Chip, Chips, FalseAlarmMap
 
 COVARIANCE_VALUES: Final = 4_000_000  #: Values of the frames, evenly spaced, from which covariances are estimated.
 
+CHIPS: Final = 6  #: Pictures of each kind.
+
+HALF: Final = 12  #: Pixels from their middle to their edge [px].
+
 
 @dataclass(frozen=True)
 class DetectionOptions:
@@ -370,11 +374,6 @@ def _plain(value: float) -> float | None:
 
 def _ends(middle: float, half: float) -> list[float] | None:
     return [middle - half, middle + half] if np.isfinite(middle) and np.isfinite(half) else None
-
-
-CHIPS: Final = 6  #: Pictures of each kind.
-
-HALF: Final = 12  #: Pixels from their middle to their edge [px].
 
 
 def chips(performance: Performance, source: FrameSource) -> Chips:

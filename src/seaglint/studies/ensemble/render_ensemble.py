@@ -36,7 +36,11 @@ from seaglint.studies.ensemble.law_draws import EnsembleScene, SingleLaw, count_
 from seaglint.studies.sequence.memory import give_back, require_memory_of_all
 from seaglint.studies.sequence.sequence_work import SceneCache
 
+MANY: Final = 16  #: Least number of scenes whose cost is worth the time of one frame.
+
 _MOST_NAMED: Final = 3  #: Largest number of failed scenes that an error names; more are counted.
+
+_STRIP: Final = 16
 
 
 def draw(ensemble: Ensemble) -> list[EnsembleScene]:
@@ -256,11 +260,6 @@ def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, thre
             f"{folder.path}: {len(failed)} of {len(labels)} scenes failed, the others are there; {named}{more}; tracebacks are in "
             f"{folder.path / 'failures'}; resume renders them again"
         )
-
-
-MANY: Final = 16  #: Least number of scenes whose cost is worth the time of one frame.
-
-_STRIP: Final = 16
 
 
 @dataclass(frozen=True)

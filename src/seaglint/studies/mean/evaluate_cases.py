@@ -39,6 +39,7 @@ from seaglint.studies.study_requests import AirRequest, BandsRequest, Evaluation
 if TYPE_CHECKING:
     import xarray as xr
 
+Columns = dict[str, FloatArray | list[str]]
 
 #: Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth.
 WIND_FROM: Final = "wind_from_deg"
@@ -46,6 +47,32 @@ WIND_FROM: Final = "wind_from_deg"
 SLOPES: Final = "slopes"  #: Another that may be missing: the slope model of each row, one of :data:`SLOPE_KINDS`.
 
 SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gram-charlier")
+
+CORRELATION_TIME: Final = 0.07  #: Time after which glint at a point is forgotten, as in the scenario's default [s].
+
+EXTRAPOLATED: Final = "extrapolated"  #: Column with the names of the extrapolated columns of each row, if extrapolation is requested.
+
+ATMOSPHERE_INPUTS: Final = (
+    "atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg",
+)  # fmt: skip
+EMISSIVITY_INPUTS: Final = ("wavelength_um", "wind_speed_m_s", "zenith_deg")
+MEAN_INPUTS: Final = (
+    "atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "relative_azimuth_deg", "sea_temperature_k",
+    "ifov_mrad",
+)  # fmt: skip
+
+SCATTERED_INPUTS: Final = (
+    "kind", "atmosphere", "wind_speed_m_s", "sensor_height_m", "elevation_deg", "azimuth_from_sun_deg", "solar_zenith_deg",
+)  # fmt: skip
+
+#: Units by the ending of a column's name, longer endings first.
+UNITS: Final = {"_W_m2_sr": "W m-2 sr-1", "_W_m2": "W m-2", "_K": "K", "_k": "K", "_deg": "degree", "_m_s": "m s-1", "_um": "um", "_m": "m"}
+
+SHARES: Final = ("emissivity", "tau_mean")  #: Columns without a unit.
+
+_CHUNK: Final = 1024  #: Rows at a time: their spectra (2 MB each) stay near the processor.
+
+_THREADS: Final = min(os.cpu_count() or 1, 4)
 
 
 def slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
@@ -113,30 +140,6 @@ def _at_wind(model: str, wind: float, wavenumber_cm: FloatArray) -> AirSums:
     # The aerosol model ends at this wind; stronger winds take its strongest aerosol.
     blown = min(wind, NAVY_AEROSOL_WIND[1])
     return AirSums(model_profile(model), HazeWeather(wind=blown, wind_24h=blown), wavenumber_cm, spectroscopy="lowtran7")
-
-
-Columns = dict[str, FloatArray | list[str]]
-
-CORRELATION_TIME: Final = 0.07  #: Time after which glint at a point is forgotten, as in the scenario's default [s].
-
-EXTRAPOLATED: Final = "extrapolated"  #: Column with the names of the extrapolated columns of each row, if extrapolation is requested.
-
-ATMOSPHERE_INPUTS: Final = (
-    "atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg",
-)  # fmt: skip
-EMISSIVITY_INPUTS: Final = ("wavelength_um", "wind_speed_m_s", "zenith_deg")
-MEAN_INPUTS: Final = (
-    "atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "relative_azimuth_deg", "sea_temperature_k",
-    "ifov_mrad",
-)  # fmt: skip
-
-SCATTERED_INPUTS: Final = (
-    "kind", "atmosphere", "wind_speed_m_s", "sensor_height_m", "elevation_deg", "azimuth_from_sun_deg", "solar_zenith_deg",
-)  # fmt: skip
-
-_CHUNK: Final = 1024  #: Rows at a time: their spectra (2 MB each) stay near the processor.
-
-_THREADS: Final = min(os.cpu_count() or 1, 4)
 
 
 @dataclass(frozen=True)
@@ -522,12 +525,6 @@ def _require_sea(cases: Cases, depression: FloatArray, dip: FloatArray, column: 
         return f"{angle:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give {kind} between that and {sign * 90.0:g} deg"
 
     cases.check(depression > dip, column, message)
-
-
-#: Units by the ending of a column's name, longer endings first.
-UNITS: Final = {"_W_m2_sr": "W m-2 sr-1", "_W_m2": "W m-2", "_K": "K", "_k": "K", "_deg": "degree", "_m_s": "m s-1", "_um": "um", "_m": "m"}
-
-SHARES: Final = ("emissivity", "tau_mean")  #: Columns without a unit.
 
 
 def labelled_cases(cases: Cases, results: Columns) -> xr.Dataset:

@@ -47,6 +47,75 @@ NO_HAZE: Final = HazeWeather("none")
 
 BandRange = tuple[float, float]  #: Shortest and longest wavelength of a band [um].
 
+#: Bands in which MODTRAN 4's zenith is compared [um].
+SKY_BANDS: Final[dict[BandRange, str]] = {(3.6, 4.0): "a model", (4.0, 4.4): "a model", (8.2, 9.2): "a model", (10.0, 11.6): "a model"}
+
+MODEL_REASONS: Final = {
+    "lowtran7": "LOWTRAN7's water continuum by air is many times today's at 3.7-4.2 um; MODTRAN 4 has lines of 1996 and CKD 2.",
+    "lblrtm": "MODTRAN 4 has lines of 1996 and the continuum CKD 2; measurements at 3.7-4.2 um lie above MT_CKD's.",
+}
+
+PATH_BANDS: Final = ((3.5, 4.15), (3.5, 5.0), (8.0, 12.0), (10.0, 12.0))  #: Bands in which MODTRAN 4's path is compared [um].
+
+TITLE: Final = "CDIP buoy 067, San Nicolas Island 2022"
+
+#: Bands of RRTMGP that are compared [cm-1].
+BANDS_CM: Final = (
+    *((700, 820), (820, 980), (980, 1080), (1080, 1180), (1180, 1390)),
+    *((1800, 2080), (2080, 2250), (2250, 2390), (2390, 2680), (2680, 3250)),
+)
+
+NEVER: Final = ("NO", "SO2", "NO2", "NH3", "HNO3")  #: Gases that RRTMGP does not have.
+
+#: Further gases that it does not have in a band.
+ABSENT: Final[dict[tuple[int, int], tuple[str, ...]]] = {
+    (820, 980): ("O3",),
+    (1800, 2080): ("O3", "CO", "N2O"),
+    (2250, 2390): ("O3",),
+    (2390, 2680): ("O3", "CH4"),
+    (2680, 3250): ("O3",),
+}
+
+#: Gases that it has in a band above :data:`TOP_HPA` only, where paths of the band are not compared.
+BELOW: Final[dict[tuple[int, int], tuple[str, ...]]] = {(2080, 2250): ("O3",)}
+
+#: Bands in which RRTMGP leaves out the gases of the lower air above :data:`TOP_HPA`: paths there are not compared.
+LOWER_CM: Final = ((820, 980), (1800, 2080), (2080, 2250), (2390, 2680))
+
+TOP_HPA: Final = 100.0  #: Pressure above which RRTMGP has other gases [hPa]: 99.5, where its troposphere ends.
+
+NEAR: Final = 60  #: Paths of 400-1030 hPa in the table; the others are of 5-400 hPa.
+
+MODELS: Final = ("midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "tropical")
+
+#: Tables of the package whose sources are reported.
+TABLES: Final = ("aeri", "his", "iris", "modtran_sky", "modtran_path", "rrtmgp_paths", "rrtmgp_skies", "cdip_spectrum", "cdip_bands")
+
+_AZIMUTHS: Final = 360
+
+_STEPS: Final = 64  #: Wavenumbers of a band over which directions are averaged.
+
+_ENERGY: Final = "Waves are drawn from the buoy's spectrum, with other frequency bands than the displacements."
+_DIRECTION: Final = "Displacements are along magnetic axes; 11.7 deg of declination is added."
+_SLOPE: Final = "Only waves up to 0.58 Hz are included; glint depends on shorter waves, which a buoy does not measure."
+
+_REASONS: Final = {
+    "lowtran7": "Lines and continua date from the 1980s: too opaque at 3.1-4.2 um, carbon dioxide at 12.2-14.3 um.",
+    "lblrtm": "One power of the amount for a gas and band cannot follow a line-by-line model from thin paths to thick ones.",
+}
+
+_COLD_CM: Final = (2080, 2250)
+_COLD: Final = "At 4.4-4.8 um ours has nitrogen, which RRTMGP leaves out there: a hundredth of transmittance."
+
+_SKY_REASONS: Final = {
+    "lowtran7": "Water's continuum by air is too strong at 3.1-4.2 um, its self continuum by a fifth to a half at 8-9.6 um.",
+    "lblrtm": "RRTMGP's layers are plane and 50 m thick at the sea, ours are spherical and continuous; the rest comes from the paths.",
+}
+
+_UNCERTAINTY: Final = "about 1 % (k-distribution)"
+
+_WIDTHS: Final = (28, 9, 9, 4, 8, 8, 7)
+
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredScene:
@@ -84,6 +153,7 @@ class MeasuredScene:
 
 _AERI = "1 % of radiance"
 _IRIS = "2 K (lowest air extrapolated)"
+
 
 #: Scenes with a sounding: AERI (Knuteson et al. 2004), HIS, IRIS-D.
 SCENES: Final = (
@@ -125,16 +195,6 @@ SCENES: Final = (
         skin=301.2,
     ),
 )
-
-#: Bands in which MODTRAN 4's zenith is compared [um].
-SKY_BANDS: Final[dict[BandRange, str]] = {(3.6, 4.0): "a model", (4.0, 4.4): "a model", (8.2, 9.2): "a model", (10.0, 11.6): "a model"}
-
-MODEL_REASONS: Final = {
-    "lowtran7": "LOWTRAN7's water continuum by air is many times today's at 3.7-4.2 um; MODTRAN 4 has lines of 1996 and CKD 2.",
-    "lblrtm": "MODTRAN 4 has lines of 1996 and the continuum CKD 2; measurements at 3.7-4.2 um lie above MT_CKD's.",
-}
-
-PATH_BANDS: Final = ((3.5, 4.15), (3.5, 5.0), (8.0, 12.0), (10.0, 12.0))  #: Bands in which MODTRAN 4's path is compared [um].
 
 
 def scene_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredRow], list[SpectraBeside]]:
@@ -223,17 +283,6 @@ def _beside(title: str, nu: FloatArray, measured: FloatArray, light: dict[Spectr
     return SpectraBeside(title, "brightness temperature [K]", nu, brightness_temperature(nu, measured), ours)
 
 
-TITLE: Final = "CDIP buoy 067, San Nicolas Island 2022"
-
-_AZIMUTHS: Final = 360
-
-_STEPS: Final = 64  #: Wavenumbers of a band over which directions are averaged.
-
-_ENERGY: Final = "Waves are drawn from the buoy's spectrum, with other frequency bands than the displacements."
-_DIRECTION: Final = "Displacements are along magnetic axes; 11.7 deg of declination is added."
-_SLOPE: Final = "Only waves up to 0.58 Hz are included; glint depends on shorter waves, which a buoy does not measure."
-
-
 def buoy_spectrum() -> MeasuredSpectrum:
     """Return the spectrum that the program makes of the buoy's energy and four moments."""
     table = shipped("cdip_spectrum").columns
@@ -289,51 +338,6 @@ def _mean_direction(spectrum: MeasuredSpectrum, low: float, high: float) -> floa
     azimuth = 2.0 * np.pi * np.arange(_AZIMUTHS) / _AZIMUTHS
     moment = spectrum.spreading(k[:, None], azimuth) @ np.exp(1j * azimuth)
     return float(np.degrees(np.angle(-np.sum(spectrum.omnidirectional(k) * moment))) % 360.0)
-
-
-#: Bands of RRTMGP that are compared [cm-1].
-BANDS_CM: Final = (
-    *((700, 820), (820, 980), (980, 1080), (1080, 1180), (1180, 1390)),
-    *((1800, 2080), (2080, 2250), (2250, 2390), (2390, 2680), (2680, 3250)),
-)
-
-NEVER: Final = ("NO", "SO2", "NO2", "NH3", "HNO3")  #: Gases that RRTMGP does not have.
-
-#: Further gases that it does not have in a band.
-ABSENT: Final[dict[tuple[int, int], tuple[str, ...]]] = {
-    (820, 980): ("O3",),
-    (1800, 2080): ("O3", "CO", "N2O"),
-    (2250, 2390): ("O3",),
-    (2390, 2680): ("O3", "CH4"),
-    (2680, 3250): ("O3",),
-}
-
-#: Gases that it has in a band above :data:`TOP_HPA` only, where paths of the band are not compared.
-BELOW: Final[dict[tuple[int, int], tuple[str, ...]]] = {(2080, 2250): ("O3",)}
-
-#: Bands in which RRTMGP leaves out the gases of the lower air above :data:`TOP_HPA`: paths there are not compared.
-LOWER_CM: Final = ((820, 980), (1800, 2080), (2080, 2250), (2390, 2680))
-
-TOP_HPA: Final = 100.0  #: Pressure above which RRTMGP has other gases [hPa]: 99.5, where its troposphere ends.
-
-NEAR: Final = 60  #: Paths of 400-1030 hPa in the table; the others are of 5-400 hPa.
-
-MODELS: Final = ("midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "tropical")
-
-_REASONS: Final = {
-    "lowtran7": "Lines and continua date from the 1980s: too opaque at 3.1-4.2 um, carbon dioxide at 12.2-14.3 um.",
-    "lblrtm": "One power of the amount for a gas and band cannot follow a line-by-line model from thin paths to thick ones.",
-}
-
-_COLD_CM: Final = (2080, 2250)
-_COLD: Final = "At 4.4-4.8 um ours has nitrogen, which RRTMGP leaves out there: a hundredth of transmittance."
-
-_SKY_REASONS: Final = {
-    "lowtran7": "Water's continuum by air is too strong at 3.1-4.2 um, its self continuum by a fifth to a half at 8-9.6 um.",
-    "lblrtm": "RRTMGP's layers are plane and 50 m thick at the sea, ours are spherical and continuous; the rest comes from the paths.",
-}
-
-_UNCERTAINTY: Final = "about 1 % (k-distribution)"
 
 
 def path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
@@ -456,10 +460,6 @@ def _sky_light(name: Spectroscopy, profile: AirProfile, zenith: FloatArray) -> F
     return out
 
 
-#: Tables of the package whose sources are reported.
-TABLES: Final = ("aeri", "his", "iris", "modtran_sky", "modtran_path", "rrtmgp_paths", "rrtmgp_skies", "cdip_spectrum", "cdip_bands")
-
-
 @dataclass(frozen=True)
 class AgainstMeasurements:
     """Measurements beside ours: rows of numbers, and spectra."""
@@ -507,9 +507,6 @@ def against_measurements(spectroscopy: str = "both") -> AgainstMeasurements:
         spectra += new_spectra
     rows += [*path_rows(chosen), *sky_rows(chosen), *buoy_rows()]
     return AgainstMeasurements(tuple(rows), tuple(spectra))
-
-
-_WIDTHS: Final = (28, 9, 9, 4, 8, 8, 7)
 
 
 def _aligned(cells: Sequence[str]) -> str:

@@ -57,7 +57,23 @@ MOST_MEETINGS: Final = 128  #: Largest number of these instants in an exposure.
 
 CROSSINGS: Final = 64  #: Number of parts of a readout among which the one that passes a body is sought.
 
+BOXES_ACROSS: Final = 24  #: Least number of boxes of light across an object.
+
+LARGE: Final = 128.0  #: Size from which an object is drawn in the fine pixels of the sea's picture [pixels].
+
+IN_STEP: Final = 0.05  #: Motion of an object within which rows or columns of a picture count as of one instant [pixels].
+
+#: Sums that are averaged over the instants of an exposure.
+SUMMED: Final = [sample_sums.SEEN, sample_sums.DRY_INSIDE, sample_sums.DRY_SEEN]
+
+#: Coverage of a pixel, relative to the largest, above which an object touches it: boxes of light reach a little beyond its outline.
+TOUCHED: Final = 1e-3
+
 _GAUSS: Final = 0.5 / math.sqrt(3.0)  #: Places of a pair of instants about the middle of its segment.
+
+_NO_PIXELS: Final = np.zeros(0, np.int64)
+_NO_LIGHT: Final = np.zeros((0, 0))
+_NO_SHARE: Final = BodyShare(_NO_PIXELS, _NO_PIXELS, _NO_LIGHT, _NO_LIGHT, _NO_LIGHT, _NO_LIGHT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,23 +283,6 @@ class ExposurePlan:
             return float(column), float(row)
 
         return time + self._met(place) + half
-
-
-BOXES_ACROSS: Final = 24  #: Least number of boxes of light across an object.
-
-LARGE: Final = 128.0  #: Size from which an object is drawn in the fine pixels of the sea's picture [pixels].
-
-IN_STEP: Final = 0.05  #: Motion of an object within which rows or columns of a picture count as of one instant [pixels].
-
-#: Sums that are averaged over the instants of an exposure.
-SUMMED: Final = [sample_sums.SEEN, sample_sums.DRY_INSIDE, sample_sums.DRY_SEEN]
-
-#: Coverage of a pixel, relative to the largest, above which an object touches it: boxes of light reach a little beyond its outline.
-TOUCHED: Final = 1e-3
-
-_NO_PIXELS: Final = np.zeros(0, np.int64)
-_NO_LIGHT: Final = np.zeros((0, 0))
-_NO_SHARE: Final = BodyShare(_NO_PIXELS, _NO_PIXELS, _NO_LIGHT, _NO_LIGHT, _NO_LIGHT, _NO_LIGHT)
 
 
 @dataclass(frozen=True, eq=False)

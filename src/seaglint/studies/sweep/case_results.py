@@ -35,6 +35,13 @@ from seaglint.studies.mean.mean_map import MAPS
 from seaglint.studies.study_requests import QUANTITIES
 from seaglint.studies.sweep.sweep_plan import ATTRIBUTES, AZIMUTH, ZENITH, ViewAngles
 
+MOST_CACHED: Final = 64  #: Largest number of cached views: some 5 MB each.
+
+_SUNLESS: Final = {"band", "wind", "sea", "atmosphere", "mean", "platform"}  #: Tables that a view without its Sun depends on.
+
+_CACHED_VIEWS: Final[OrderedDict[str, SharedView]] = OrderedDict()
+_LOCK: Final = threading.Lock()
+
 
 @dataclass(frozen=True, eq=False)
 class NamedArray:
@@ -57,14 +64,6 @@ class CaseResult:
     def size(self) -> int:
         """Bytes of all arrays."""
         return sum(array.values.nbytes for arrays in (self.variables, self.coordinates) for array in arrays.values())
-
-
-MOST_CACHED: Final = 64  #: Largest number of cached views: some 5 MB each.
-
-_SUNLESS: Final = {"band", "wind", "sea", "atmosphere", "mean", "platform"}  #: Tables that a view without its Sun depends on.
-
-_CACHED_VIEWS: Final[OrderedDict[str, SharedView]] = OrderedDict()
-_LOCK: Final = threading.Lock()
 
 
 @dataclass(eq=False)

@@ -33,7 +33,26 @@ from seaglint.scenario.text.toml_writing import differing
 
 NAME: Final = "sweep"  #: Name of the scenario in messages about a single key.
 
+MOST_CHECKED: Final = 5000  #: Number of values of all keys up to which they are checked beforehand: a second for each thousand.
+
+ZENITH: Final = "view_zenith_deg"
+AZIMUTH: Final = "view_azimuth_deg"
+
+#: Attributes of the coordinates.
+ATTRIBUTES: Final = {
+    ZENITH: {"units": "degree", "long_name": "zenith angle, at the sea, of the direction to the sensor; 0 is straight down"},
+    AZIMUTH: {"units": "degree", "long_name": "azimuth of the line of sight at the sensor, clockwise from north"},
+}
+
 _BAND: Final = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*-\s*(\d+\.?\d*|\.\d+)\s*")
+
+#: Units of keys as UDUNITS writes them, where it writes them otherwise.
+_UDUNITS: Final = {"m/s": "m s-1", "deg": "degree", "1/km": "km-1", "%": "percent", "": "1"}
+
+#: Keys that most of the preparation depends on, in the order in which cases change them, the slowest first.
+_OF_THE_AIR: Final = ("band", "atmosphere", "place", "time", "wind.speed_m_s", "wind", "sensor.height_m", "sea.temperature_k")
+
+_RANGES: Final = {ZENITH: (0.0, 90.0), AZIMUTH: (-360.0, 360.0)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,10 +211,6 @@ def label(name: str, value: Any) -> str:
             return str(value)
 
 
-#: Units of keys as UDUNITS writes them, where it writes them otherwise.
-_UDUNITS: Final = {"m/s": "m s-1", "deg": "degree", "1/km": "km-1", "%": "percent", "": "1"}
-
-
 def _attributes(key: Key | None, coordinate: NDArray[Any]) -> dict[str, str]:
     out: dict[str, str] = {}
     if key is not None and key.info.description:
@@ -204,12 +219,6 @@ def _attributes(key: Key | None, coordinate: NDArray[Any]) -> dict[str, str]:
         unit = key.quantities[0].unit
         out["units"] = _UDUNITS.get(unit, unit)
     return out
-
-
-#: Keys that most of the preparation depends on, in the order in which cases change them, the slowest first.
-_OF_THE_AIR: Final = ("band", "atmosphere", "place", "time", "wind.speed_m_s", "wind", "sensor.height_m", "sea.temperature_k")
-
-MOST_CHECKED: Final = 5000  #: Number of values of all keys up to which they are checked beforehand: a second for each thousand.
 
 
 @dataclass(frozen=True, eq=False)
@@ -352,18 +361,6 @@ def chunks(order: Sequence[int], together: int, workers: int) -> list[tuple[int,
     # At least two units for each worker, so that none waits long for the last one.
     size = max(min(together, len(order) // (2 * workers)), 1) if workers > 1 else max(together, 1)
     return [tuple(order[first : first + size]) for first in range(0, len(order), size)]
-
-
-ZENITH: Final = "view_zenith_deg"
-AZIMUTH: Final = "view_azimuth_deg"
-
-#: Attributes of the coordinates.
-ATTRIBUTES: Final = {
-    ZENITH: {"units": "degree", "long_name": "zenith angle, at the sea, of the direction to the sensor; 0 is straight down"},
-    AZIMUTH: {"units": "degree", "long_name": "azimuth of the line of sight at the sensor, clockwise from north"},
-}
-
-_RANGES: Final = {ZENITH: (0.0, 90.0), AZIMUTH: (-360.0, 360.0)}
 
 
 @dataclass(frozen=True)
