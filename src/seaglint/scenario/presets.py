@@ -69,7 +69,6 @@ _FLOCK: Final = (
     *((4.6, -3.9, 0.5), (-6.6, -6.2, -0.3), (7.0, -6.4, 0.2)),
 )
 
-
 #: Presets of objects by the name that the key ``preset`` takes.
 OBJECTS: Final[dict[str, ObjectPreset]] = {
     "buoy": ObjectPreset(
@@ -220,7 +219,6 @@ _SWELL: Final = {
     "spreading_deg": 12.0,
 }
 
-
 #: Presets of scenes by the name that the parameter ``preset`` takes.
 PRESETS: Final[dict[str, Preset]] = {
     "glint": Preset(
@@ -315,10 +313,8 @@ _SCORPIO_SHEET = "assumed: as the data sheet of the Lynred Scorpio LW is cited, 
 _RULE_07 = "Tennant et al., J. Electronic Materials 37, 1406 (2008), Rule 07: 9.3 um cut-off, 80 K, 15 um"
 _PANORAMA = "assumed: a turn a second and a column of 640 pixels, as panoramic infrared search sensors are sold"
 
-
 #: Detector of the cooled arrays of photodiodes, as far as they are alike.
 _DIODES: Final = {"pitch_um": 15.0, "fill_factor": 0.9, "quantum_efficiency": 0.9, "bit_depth": 14}
-
 
 #: Presets of sensors by the name that the parameter ``sensor`` takes.
 SENSORS: Final[dict[str, SensorPreset]] = {

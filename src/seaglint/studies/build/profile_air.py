@@ -300,7 +300,7 @@ class _HazelessAir:
 
     def scattering(self, haze: HazeWeather, part: slice) -> ScatteringAir:
         """Return the scatterers of a haze on part of the channels."""
-        # Numba comes with it: thermal bands do without.
+        # Imported here, as it loads kernels of Numba: thermal bands do without them.
         from seaglint.air.profile.profile_scattering import Scatterers
 
         key = (part.start, part.stop, part.step)

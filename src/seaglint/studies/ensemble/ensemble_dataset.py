@@ -350,8 +350,7 @@ def ensemble_dataset(
     Raises
     ------
     SeaglintError
-        See :func:`seaglint.studies.ensemble.render_ensemble.render_ensemble` and
-        :func:`seaglint.studies.ensemble.ensemble_dataset.make_dataset`.
+        See :func:`seaglint.studies.ensemble.render_ensemble.render_ensemble` and :func:`make_dataset`.
     """
     ensemble = source.ensemble
     drawn = draw(ensemble)

@@ -270,7 +270,7 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
     DataError
         A column missing, or a value that cannot be used; names row and column.
     """
-    # Numba comes with it: the command for the air starts without.
+    # Imported here, as it loads kernels of Numba: the command for the air does without them.
     from seaglint.facet.emissivity import emissivity
 
     cases.require(EMISSIVITY_INPUTS)

@@ -154,7 +154,6 @@ class MeasuredScene:
 _AERI = "1 % of radiance"
 _IRIS = "2 K (lowest air extrapolated)"
 
-
 #: Scenes with a sounding: AERI (Knuteson et al. 2004), HIS, IRIS-D.
 SCENES: Final = (
     MeasuredScene(
