@@ -228,7 +228,7 @@ def lowtran_atmosphere(
     band_um : (float, float)
         Wavelengths to cover [um], within 0.2-28.
     levels : sequence of ProfileLevel, optional
-        Profile of :func:`seaglint.formats.lowtran.sounding.read_sounding`.
+        Profile of :func:`seaglint.formats.soundings.sounding.read_sounding`.
     name : str, optional
         Name of the atmosphere in error messages.
     timeout : float
