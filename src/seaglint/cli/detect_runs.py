@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from seaglint.base.free_form import JsonObject
     from seaglint.cli.terminal.record_options import ResultOptions, RunOptions
     from seaglint.formats.tables.result_tables import DetectionFiles
-    from seaglint.store.detection_results import DetectionRange, Parts
+    from seaglint.store.detection_results import DetectionRange, StudyParts
     from seaglint.studies.detect.detection_requests import CasesRequest, RangeRequest, RecordingRequest, SceneRequest
     from seaglint.studies.detect.study import Study
     from seaglint.studies.detect.varied_cases import StudyCase
@@ -178,7 +178,7 @@ class _Scenes(NamedTuple):
 
     cases: list[StudyCase]
     files: DetectionFiles | None
-    parts: Parts
+    parts: StudyParts
     report: Callable[[str], None]  #: Prints a line on the progress.
 
 
