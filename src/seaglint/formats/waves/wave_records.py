@@ -26,7 +26,7 @@ from seaglint.sea.spectra.measured import MeasuredSpectrum, possible_moments
 from seaglint.store.netcdf import drop_quietly, open_netcdf
 from seaglint.store.outputs import reason_of
 
-Parsed = TypeVar("Parsed")  #: What a parser returns.
+_Parsed = TypeVar("_Parsed")
 
 _EARTH_RADIUS_KM = 6371.0
 _LISTED = 8  # sites that an error lists by name
@@ -279,7 +279,7 @@ def reader(name: str) -> Callable[..., Any]:
     return function
 
 
-def parsed(path: Path, kind: str, parse: Callable[[], Parsed]) -> Parsed:
+def parsed(path: Path, kind: str, parse: Callable[[], _Parsed]) -> _Parsed:
     """Return the result of a parser; its exceptions, which are of any type, become an error of one line.
 
     Warnings of libraries about future changes of other libraries are not shown.
