@@ -424,11 +424,11 @@ class Goodness:
     """Distances between sample and fit with their levels."""
 
     ks: float  #: Largest distance between the two distribution functions [1].
-    #: Probability of such a distance or a larger one if the fit's family is right, at least ``1 / (replicates + 1)`` [1]; NaN with fewer
-    #: than 8 independent values.
+    #: ``ks_p``, ``ad_p``: Probability of such a distance or a larger one if the fit's family is right, at least ``1 / (replicates + 1)``;
+    #: NaN with fewer than 8 independent values.
     ks_p: float
     ad: float  #: Anderson-Darling ``A^2`` per value times ``effective_count``: what that many independent values would show [1].
-    ad_p: float  #: Probability of such an Anderson-Darling distance or a larger one [1], limits as ``ks_p``.
+    ad_p: float  #: See ``ks_p``.
     effective_count: float  #: Independent values.
     replicates: int  #: Number of replicates of the bootstrap.
     method: str = METHOD  #: One line for reports.

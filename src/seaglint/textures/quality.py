@@ -78,12 +78,15 @@ class RatePair:
 
     threshold_sigma: float  #: Threshold [standard deviations].
     gaussian_rate: float  #: One-sided Gaussian tail [1].
-    first: float  #: Rate of the first picture per pixel and frame [1].
-    first_interval: list[float | None]  #: Ends of its 95 % interval [1].
-    second: float  #: Rate of the second picture per pixel and frame [1].
-    second_interval: list[float | None]  #: Ends of its 95 % interval [1].
-    first_over_gaussian: float  #: First rate over the Gaussian tail [1].
-    second_over_gaussian: float  #: Second rate over the Gaussian tail [1].
+    #: ``first``, ``second``: Rates per pixel and frame [1].
+    first: float
+    #: ``first_interval``, ``second_interval``: Ends of their 95 % intervals [1].
+    first_interval: list[float | None]
+    second: float  #: See ``first``.
+    second_interval: list[float | None]  #: See ``first_interval``.
+    #: ``first_over_gaussian``, ``second_over_gaussian``: Rates over the Gaussian tail [1].
+    first_over_gaussian: float
+    second_over_gaussian: float
     second_over_first: float | None  #: Ratio of the rates [1]; None where one of them is 0.
 
     @classmethod

@@ -92,9 +92,10 @@ _MOST_CACHED: Final = 64  #: Largest number of cached scales.
 class Show:
     """Displayed selection: source, layer, difference and scale."""
 
-    source: ViewerSource  #: Displayed frames.
+    #: ``source``, ``minus``: Displayed frames, and the frames that are subtracted from them one by one.
+    source: ViewerSource
     layer: str | None = None  #: Layer of both sources.
-    minus: ViewerSource | None = None  #: Frames that are subtracted from them one by one.
+    minus: ViewerSource | None = None  #: See ``source``.
     kind: str = "percentile"  #: One of :data:`seaglint.viewer.picture.KINDS`.
     fixed: bool = True  #: Flag: one scale for all frames, from some of them; otherwise a scale for each frame.
     limits: tuple[float, float] | None = None  #: Ends of a linear scale, given by hand.
