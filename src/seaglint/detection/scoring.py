@@ -220,7 +220,7 @@ class SegmentSums:
 class Interval:
     """Rate with its confidence interval."""
 
-    rate: float  #: [1]
+    rate: float  #: Estimated rate [1].
     #: ``low``, ``high``: Ends [1]; None where none can be given, see ``note``.
     low: float | None
     high: float | None

@@ -25,9 +25,8 @@ class Chip:
 
     score: float  #: Statistic there [standard deviations]; -99 without one.
     frame: int  #: Number of the window.
-    #: ``row``, ``column``: Centre [px].
-    row: int
-    column: int
+    row: int  #: Row of the centre [px].
+    column: int  #: Column of the centre [px].
     pixels: list[list[float | None]]  #: Values [units of the source]; None beyond the frame.
 
 
@@ -35,9 +34,8 @@ class Chip:
 class Chips:
     """Missed objects and false alarms as pictures."""
 
-    #: ``missed``, ``false``: Missed objects, with the object in them; highest false alarms.
-    missed: tuple[Chip, ...]
-    false: tuple[Chip, ...]
+    missed: tuple[Chip, ...]  #: Missed objects, with the object in them.
+    false: tuple[Chip, ...]  #: Highest false alarms.
     missed_contrast_pixel: float | None  #: Contrast of the missed ones in their pixel [units of the source].
 
 
@@ -45,12 +43,10 @@ class Chips:
 class FalseAlarmMap:
     """False alarms over the field, in tiles."""
 
-    #: ``exceedances``, ``pixels``: Pixels above the threshold, and pixels judged, of each tile.
-    exceedances: list[list[int]]
-    pixels: list[list[int]]
-    #: ``down``, ``right``: Edges of the tiles: elevation and azimuth [deg], or row and column [px].
-    down: list[float]
-    right: list[float]
+    exceedances: list[list[int]]  #: Pixels above the threshold, of each tile.
+    pixels: list[list[int]]  #: Pixels judged, of each tile.
+    down: list[float]  #: Edges of the tiles downwards: elevation [deg] or row [px].
+    right: list[float]  #: Edges of the tiles to the right: azimuth [deg] or column [px].
     in_degrees: bool  #: True where the field is a grid of directions, and edges are angles.
 
     @staticmethod

@@ -62,19 +62,20 @@ class ObjectBox:
 class FileContent:
     """Content of a file: frames and attributes as in :class:`~seaglint.viewer.frame_source.ViewerSource`."""
 
-    frames: int
-    rows: int
-    columns: int
-    layers: dict[str, Layer]
-    done: Callable[[], NDArray[np.int64]] = field(repr=False)
-    frame_rate: float | None = None
-    times: NDArray[np.float64] | None = None
+    frames: int  #: Number of frames.
+    rows: int  #: Rows of an image.
+    columns: int  #: Columns of an image.
+    layers: dict[str, Layer]  #: Layers by name.
+    done: Callable[[], NDArray[np.int64]] = field(repr=False)  #: Gives the numbers of finished frames.
+    frame_rate: float | None = None  #: Frames per second [Hz].
+    times: NDArray[np.float64] | None = None  #: Time of each frame [s, (frames,)].
+    #: Gives azimuth and elevation of a frame's pixels [deg].
     directions: Callable[[int], tuple[NDArray[np.float64], NDArray[np.float64]]] | None = field(default=None, repr=False)
-    turning: bool = False
-    boxes: Callable[[int], list[ObjectBox]] | None = field(default=None, repr=False)
-    recording: Recording | None = None
-    title: str = ""
-    notes: tuple[str, ...] = ()
+    turning: bool = False  #: Whether directions change from frame to frame.
+    boxes: Callable[[int], list[ObjectBox]] | None = field(default=None, repr=False)  #: Gives the objects in view in a frame.
+    recording: Recording | None = None  #: Recording behind the file, where it is one.
+    title: str = ""  #: Title of the scene.
+    notes: tuple[str, ...] = ()  #: Sentences for the user.
 
 
 def open_path(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> FileContent:
