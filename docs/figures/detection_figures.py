@@ -25,7 +25,7 @@ from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import InjectedObjects
 from seaglint.plot.detection_report import draw_characteristic, draw_chips, draw_map, draw_ranges
 from seaglint.scenario.load import parse_scenario
-from seaglint.store.detection_results import DetectionRange, Parts
+from seaglint.store.detection_results import DetectionRange, StudyParts
 from seaglint.studies.detect.designer import Design, design, rate_threshold
 from seaglint.studies.detect.detection_requests import RangeRequest, SceneRequest
 from seaglint.studies.detect.injected import point_shape
@@ -66,7 +66,7 @@ def scene(azimuth: float, pixels: tuple[int, int], pixel_deg: float, *, elevatio
     return parse_scenario({**BASE, "sensor": {**looks, **field}})
 
 
-def azimuths(parts: Parts) -> None:
+def azimuths(parts: StudyParts) -> None:
     """P_d and P_fa of one moving object from the open sea to the middle of the corridor."""
     columns, rows, pixel = 288, 72, 0.15
     scenario = scene(SUN + 0.5 * columns * pixel - 4.0, (columns, rows), pixel, elevation=-6.0)
@@ -120,7 +120,7 @@ def azimuths(parts: Parts) -> None:
     figure.savefig(IMAGES / "detection_azimuth.png", dpi=110)
 
 
-def needed(seas: IndependentSeas, name: str, parts: Parts) -> str:
+def needed(seas: IndependentSeas, name: str, parts: StudyParts) -> str:
     """A cell of the table: contrast for P_d 0.9 at 1e-6, loss against white noise, and whether the rate is to be believed."""
     # a still object is its own background to a temporal filter
     (count, length), still = (TEMPORAL, 1) if name == "temporal-profile" else (SINGLE, 0)
@@ -142,7 +142,7 @@ def needed(seas: IndependentSeas, name: str, parts: Parts) -> str:
     return cell
 
 
-def contrasts(parts: Parts) -> None:
+def contrasts(parts: StudyParts) -> None:
     """Contrast for P_d 0.9 at 1e-6, corridor and open sea, before and behind the sensor."""
     columns = []
     for sensor in (False, True):
@@ -155,7 +155,7 @@ def contrasts(parts: Parts) -> None:
         print(f"| `{name}` | {' | '.join(cells)} |")
 
 
-def pictures(parts: Parts) -> None:
+def pictures(parts: StudyParts) -> None:
     """Characteristic, misses and false alarms of one detector in the corridor behind a sensor, and where false alarms are."""
     shared: dict[str, Any] = {"threshold": 3.0, "injections": 1000, "seed": 5}
     wanted = SceneRequest("scenario", detector="ca-cfar", contrast=(10.0, 15.0, 20.0, 30.0, 40.0), frames=3 * SEAS, **shared)
@@ -169,7 +169,7 @@ def pictures(parts: Parts) -> None:
     draw_map(run_scene(wide, wanted, parts).map).savefig(IMAGES / "detection_map.png", dpi=110)
 
 
-def range_of(wind: float, bearing: float, parts: Parts) -> DetectionRange:
+def range_of(wind: float, bearing: float, parts: StudyParts) -> DetectionRange:
     """Range of detection of the buoy in a wind [m/s] from the Sun, at a bearing from the Sun [deg]."""
     field = {"height_m": 30.0, "fov_deg": [96 * PIXEL_DEG, 32 * PIXEL_DEG], "pixels": [96, 32]}
     weather = {"sun": BASE["sun"], "wind": {"speed_m_s": wind, "from_deg": SUN}}
@@ -193,7 +193,7 @@ def range_of(wind: float, bearing: float, parts: Parts) -> DetectionRange:
     return replace(found, parameters={"wind": f"{wind:g} m/s"})
 
 
-def ranges(parts: Parts) -> None:
+def ranges(parts: StudyParts) -> None:
     """Range of detection of a buoy against wind and bearing from the Sun."""
     cases = [(wind, bearing) for wind in WINDS for bearing in BEARINGS]
     with ProcessPoolExecutor() as workers:
@@ -209,7 +209,7 @@ def main() -> None:
     wanted = [name for name in sys.argv[1:] if name in names] or names
     kept = [name for name in sys.argv[1:] if name not in names]
     with tempfile.TemporaryDirectory() as folder:
-        parts = Parts.at(Path(kept[0] if kept else folder) / "figures", resume=bool(kept), overwrite=not kept)
+        parts = StudyParts.at(Path(kept[0] if kept else folder) / "figures", resume=bool(kept), overwrite=not kept)
         if "contrasts" in wanted:
             contrasts(parts)
         if "azimuth" in wanted:

@@ -23,7 +23,7 @@ from scipy.stats import norm
 from seaglint.base.errors import SeaglintError
 from seaglint.detection.detector_names import NAMES
 from seaglint.scenario.load import parse_scenario
-from seaglint.store.detection_results import DetectionRange, Parts
+from seaglint.store.detection_results import DetectionRange, StudyParts
 from seaglint.studies.detect.detection_requests import RangeRequest
 from seaglint.studies.detect.range_search import detection_range
 
@@ -166,7 +166,7 @@ CASES = (
 )
 
 
-def range_of(number: int, detector: str, parts: Parts) -> DetectionRange | None:
+def range_of(number: int, detector: str, parts: StudyParts) -> DetectionRange | None:
     """Range of one detector in one case; nothing where it cannot judge."""
     case, precision = CASES[number], 0.04 if detector == DEFAULT else 0.1
     request = RangeRequest(
@@ -201,7 +201,7 @@ def main() -> None:
     jobs = [(number, name) for name in names for number in range(len(CASES))]
     with tempfile.TemporaryDirectory() as folder:
         kept = sys.argv[1] if sys.argv[1:] else None
-        parts = Parts.at(Path(kept or folder) / "ranges", resume=kept is not None, overwrite=kept is None)
+        parts = StudyParts.at(Path(kept or folder) / "ranges", resume=kept is not None, overwrite=kept is None)
         with ProcessPoolExecutor(2) as workers:
             ranges = dict(zip(jobs, workers.map(range_of, *zip(*jobs, strict=True), [parts] * len(jobs)), strict=True))
     every = range(len(CASES))

@@ -16,7 +16,7 @@ from typing import Any, Final
 from seaglint.base.errors import SeaglintError
 from seaglint.detection.detector_names import NAMES, TRIED
 from seaglint.scenario.load import parse_scenario
-from seaglint.store.detection_results import Parts, TriedDetector
+from seaglint.store.detection_results import StudyParts, TriedDetector
 from seaglint.studies.detect.designer import SMALLEST, best_of
 from seaglint.studies.detect.detection_requests import RangeRequest
 from seaglint.studies.detect.range_search import ALIKE, first_estimate, tried_at
@@ -57,7 +57,7 @@ def scenario(camera: str, light: str, behind: str) -> Any:
     return parse_scenario({"seed": 21, **around, **coarse, "band": {"min_um": band[0], "max_um": band[1]}, "objects": [boat]})
 
 
-def margins(cell: tuple[str, str, str], parts: Parts) -> list[TriedDetector]:
+def margins(cell: tuple[str, str, str], parts: StudyParts) -> list[TriedDetector]:
     """Margins of all detectors on the same frames, near the range of the best."""
     scene = scenario(*cell)
     request = RangeRequest(
@@ -88,7 +88,7 @@ def main() -> None:
         cells = [cell for cell in cells if cell[0].startswith(sys.argv[2])]
     with tempfile.TemporaryDirectory() as folder:
         kept = sys.argv[1] if sys.argv[1:] else None
-        parts = Parts.at(Path(kept or folder) / "choices", resume=kept is not None, overwrite=kept is None)
+        parts = StudyParts.at(Path(kept or folder) / "choices", resume=kept is not None, overwrite=kept is None)
         print("| camera | light | behind | range of the best [m] | best of all | chosen | its share | share of `matched` |")
         print("|---|---|---|---|---|---|---|---|")
         for cell in cells:

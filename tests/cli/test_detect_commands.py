@@ -167,3 +167,15 @@ def test_a_folder_or_file_without_an_ending_is_a_recording(seaglint, clip: Path,
     answer = seaglint("detect", "frames", "--contrast", "8")
     assert answer.code == 2
     assert "none of the commands" not in answer.err
+
+
+def test_a_refused_range_leaves_the_unfinished_study(seaglint, tmp_path: Path) -> None:
+    """Frames of hours lie beside the result: a mistyped number must not cost them, whatever --overwrite allows."""
+    scenario, parts = tmp_path / "my.toml", tmp_path / "r.parts"
+    scenario.write_text('[[objects]]\npreset = "small-boat"\neast_m = 0\nnorth_m = 2000\n')
+    parts.mkdir()
+    (parts / "seaglint-detection-parts").touch()
+    (parts / "case-x.json").write_text("[1]")
+    answer = seaglint("detect", "range", scenario, "-o", tmp_path / "r", "--overwrite", "--range-limits", "900:500")
+    assert (answer.code, "900" in answer.err) == (2, True), answer.err
+    assert (parts / "case-x.json").read_text() == "[1]"

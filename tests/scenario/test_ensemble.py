@@ -9,7 +9,7 @@ import pytest
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.ensemble_file import load_ensemble, parse_ensemble
 from seaglint.scenario.records.ensemble_tables import Choice, LogUniform, Normal, Uniform
-from seaglint.scenario.records.record import Quantity
+from seaglint.scenario.records.quantities import Quantity
 from seaglint.scenario.text.toml_writing import document
 
 SPEED = Quantity("m/s", ge=0, le=50)

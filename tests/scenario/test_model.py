@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.record import CELSIUS, FACTORS, by_pint, convert
+from seaglint.scenario.records.quantities import CELSIUS, FACTORS, by_pint, convert
 from seaglint.scenario.records.sensor_table import SQUARE_PIXEL_TOLERANCE
 
 ROUNDING = 1e-12  # relative; unit conversions are one multiplication

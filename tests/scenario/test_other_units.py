@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.keys import key_at, key_paths
 from seaglint.scenario.load import load_scenario, parse_scenario
-from seaglint.scenario.records.record import MISTAKEN, Quantity, convert
+from seaglint.scenario.records.quantities import MISTAKEN, Quantity, convert
 
 QUANTITIES = sorted(
     {(path, quantity) for path in key_paths() for quantity in key_at(tuple(path.split("."))).quantities if quantity.unit in MISTAKEN},

@@ -32,7 +32,7 @@ from seaglint.detection.trials import InjectedObjects, run_trials
 from seaglint.imaging.wave_surface import course, height
 from seaglint.scenario.changed_scenario import middle_of
 from seaglint.scenario.load import parse_scenario
-from seaglint.store.detection_results import DetectionCase, Parts, RangePoint
+from seaglint.store.detection_results import DetectionCase, RangePoint, StudyParts
 from seaglint.studies.detect import range_search
 from seaglint.studies.detect import range_search as detect_range
 from seaglint.studies.detect import rendered_seas as detect_scene
@@ -120,8 +120,8 @@ def range_request(**changes: Any) -> RangeRequest:
     return RangeRequest("scenario", **{**shared, **JUDGED, **changes})
 
 
-def parts_at(tmp_path: Path, **how: bool) -> Parts:
-    return Parts.at(tmp_path / "found", **({"resume": False, "overwrite": True} | how))
+def parts_at(tmp_path: Path, **how: bool) -> StudyParts:
+    return StudyParts.at(tmp_path / "found", **({"resume": False, "overwrite": True} | how))
 
 
 def test_windows_stay_inside_their_sequence() -> None:

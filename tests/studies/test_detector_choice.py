@@ -18,7 +18,7 @@ from seaglint.detection.named_detectors import named_for
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import InjectedObjects
 from seaglint.scenario.load import parse_scenario
-from seaglint.store.detection_results import Parts, RangePoint
+from seaglint.store.detection_results import RangePoint, StudyParts
 from seaglint.studies.detect import range_search
 from seaglint.studies.detect.designer import LARGEST, SMALLEST, Design, contrast_margin
 from seaglint.studies.detect.detection_requests import RangeRequest
@@ -85,7 +85,7 @@ def _asked(detector: str | None) -> tuple[Any, RangeRequest]:
 
 
 def _found(folder: Path, detector: str | None) -> Any:
-    return detection_range(*_asked(detector), Parts.at(folder / "found", resume=False, overwrite=True))
+    return detection_range(*_asked(detector), StudyParts.at(folder / "found", resume=False, overwrite=True))
 
 
 @pytest.mark.parametrize("seas", [White], indirect=True)
@@ -101,7 +101,7 @@ def test_the_default_sees_as_far_as_the_best_where_a_matched_filter_does_not(sea
     """Waves of 8 W m-2 sr-1 and 32 px hide the object from weights that add up to 1, and not from those that add up to 0."""
     chosen = _found(tmp_path, None)
     assert chosen.detector != "matched"
-    nearer = p_d_at(*_asked("matched"), chosen.range_m / 1.3, None, Parts.at(tmp_path / "matched", resume=False, overwrite=True))
+    nearer = p_d_at(*_asked("matched"), chosen.range_m / 1.3, None, StudyParts.at(tmp_path / "matched", resume=False, overwrite=True))
     assert nearer.p_d < 0.5
     assert {one.detector for one in chosen.tried} == set(TRIED)
     last = [one for one in chosen.tried if one.range_m == chosen.tried[-1].range_m]

@@ -192,31 +192,25 @@ class Spectra:
 class BandTable:
     """Atmosphere table cut to a band, all winds. Make it with :meth:`read`."""
 
-    #: ``model``, ``region``: Model atmosphere and spectral region.
-    model: str
-    region: Region
-    #: ``wavenumber_cm``, ``solar``: Channels [cm-1] and sunlight outside the atmosphere at 1 au [W m-2 per cm-1], both (n,).
-    wavenumber_cm: FloatArray
-    solar: FloatArray
+    model: str  #: Model atmosphere.
+    region: Region  #: Spectral region.
+    wavenumber_cm: FloatArray  #: Channels [cm-1, (n,)].
+    solar: FloatArray  #: Sunlight outside the atmosphere at 1 au [W m-2 per cm-1, (n,)].
     provenance: JsonObject
-    #: ``winds``, ``heights``, ``sky_heights``: Nodes [m s-1], [m], [m].
-    winds: FloatArray
+    winds: FloatArray  #: Nodes of wind [m s-1, (winds,)].
     wind_kinks: tuple[float, ...]
-    heights: FloatArray  #: See ``winds``.
-    sky_heights: FloatArray  #: See ``winds``.
+    heights: FloatArray  #: Nodes of sensor height for paths [m, (heights,)].
+    sky_heights: FloatArray  #: Nodes of sensor height for the sky [m, (sky heights,)].
     levels: tuple[float, ...]
     height_kinks: tuple[float, ...]
     refraction: RefractingAir  #: LOWTRAN7's refraction.
-    #: ``horizon_excess``, ``ray``: Logarithm of the slant path to the sea horizon over its straight length [1, (heights,)]; path coordinate
-    #: of LOWTRAN7's rays against the coordinate of straight ones [1, (heights, nodes)].
-    horizon_excess: FloatArray
-    ray: FloatArray
-    #: ``path_depth``, ``path_temperature``, ``sun_depth``, ``sky_temperature``, ``sky_dip``: Spectra that :func:`read_table` describes.
-    path_depth: Spectra
-    path_temperature: Spectra
-    sun_depth: Spectra
-    sky_temperature: Spectra
-    sky_dip: Spectra
+    horizon_excess: FloatArray  #: Logarithm of the slant path to the sea horizon over its straight length [1, (heights,)].
+    ray: FloatArray  #: Path coordinate of LOWTRAN7's rays against the coordinate of straight ones [1, (heights, nodes)].
+    path_depth: Spectra  #: Encoded optical depth of paths; arrays as in :func:`read_table`.
+    path_temperature: Spectra  #: Effective air temperature of paths [K].
+    sun_depth: Spectra  #: Encoded optical depth of the path to the Sun.
+    sky_temperature: Spectra  #: Temperature of the sky, horizontal to zenith [K].
+    sky_dip: Spectra  #: Temperature of the sky, horizontal down to the sea horizon [K].
 
     @classmethod
     def read(cls, model: str, band_um: tuple[float, float]) -> BandTable:
@@ -341,9 +335,8 @@ class BatchAtmosphere:
 
     model: str  #: Name of the model atmosphere.
     wavenumber_cm: FloatArray  #: Ascending spectral samples [cm-1, (n,)].
-    #: ``wind_range``, ``height_range``: Ranges of the table [m s-1], [m].
-    wind_range: tuple[float, float]
-    height_range: tuple[float, float]
+    wind_range: tuple[float, float]  #: Lowest and highest wind of the table [m s-1].
+    height_range: tuple[float, float]  #: Lowest and highest height of the table [m].
     extrapolate: bool  #: Whether winds and heights beyond the ranges are accepted.
     _table: BandTable
     _ray: FloatArray

@@ -54,9 +54,9 @@ class ScatteredSamples:
     """Sunlight scattered into the line of sight, for one Sun at 1 au."""
 
     solar_zenith: float  #: Zenith angle of that Sun at the sensor's foot [rad].
-    azimuth: FloatArray  #: Azimuths of the line of sight from the Sun, ascending within 0 to pi [rad]; the other side is the mirror image.
-    range_m: FloatArray  #: Arcs of the paths from the sea to the sensor, ascending [m].
-    path: FloatArray | None  #: Radiance of the paths [W m-2 sr-1 per cm-1].
+    azimuth: FloatArray  #: Azimuths of the line of sight from the Sun [rad, (a,)], ascending within 0 to pi; the other side mirrors it.
+    range_m: FloatArray  #: Arcs of the paths from the sea to the sensor, ascending [m, (k,)].
+    path: FloatArray | None  #: Radiance of the paths [W m-2 sr-1 per cm-1, (k, a, n)].
     skies: tuple[ScatteredSky, ...] = ()  #: Skies at the sea (height 0) and at the sensor, as far as known.
 
     def require_sun(self, solar_zenith: float, name: str) -> None:

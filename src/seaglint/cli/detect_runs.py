@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from seaglint.base.free_form import JsonObject
     from seaglint.cli.terminal.record_options import ResultOptions, RunOptions
     from seaglint.formats.tables.result_tables import DetectionFiles
-    from seaglint.store.detection_results import DetectionRange, Parts
+    from seaglint.store.detection_results import DetectionRange, StudyParts
     from seaglint.studies.detect.detection_requests import CasesRequest, RangeRequest, RecordingRequest, SceneRequest
     from seaglint.studies.detect.study import Study
     from seaglint.studies.detect.varied_cases import StudyCase
@@ -178,13 +178,21 @@ class _Scenes(NamedTuple):
 
     cases: list[StudyCase]
     files: DetectionFiles | None
-    parts: Parts
+    parts: StudyParts
     report: Callable[[str], None]  #: Prints a line on the progress.
 
 
 @contextmanager
-def _scenes(request: CasesRequest, results: ResultOptions, run: RunOptions, pictures: tuple[str, ...]) -> Iterator[_Scenes]:
+def _scenes(
+    request: CasesRequest,
+    results: ResultOptions,
+    run: RunOptions,
+    pictures: tuple[str, ...],
+    check: Callable[[list[StudyCase]], None] = lambda cases: None,
+) -> Iterator[_Scenes]:
     """Check a request and its outputs, read the cases and open the folder of an unfinished study.
+
+    ``check`` refuses cases that the command cannot use. It runs before the folder is opened: --overwrite empties the folder.
 
     Raises
     ------
@@ -208,6 +216,7 @@ def _scenes(request: CasesRequest, results: ResultOptions, run: RunOptions, pict
     if run.resume and files is None:
         raise DataError("--resume goes on with what is kept beside a result; give it with -o RESULT")
     base = None if files is None else files.result.with_suffix("")
+    check(cases)
     with parts_folder(base, resume=run.resume, overwrite=run.overwrite) as (parts, _), absent_numbers():
         yield _Scenes(cases, files, parts, log if run.show is not ProgressMode.NONE else _silent)
 
@@ -289,9 +298,11 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     from seaglint.studies.detect.study import ranges_of
     from seaglint.studies.mean.air_contrast import RANGES
 
-    with _scenes(request, results, run, ("range",)) as scenes:
-        near, far = request.of_objects([item.name for item in scenes.cases[0].scenario.objects or ()]).limits
-        print_air([case.scenario for case in scenes.cases], [at for at in RANGES if near <= at <= far] or (near, far))
+    def check(cases: list[StudyCase]) -> None:
+        near, far = request.of_objects([item.name for item in cases[0].scenario.objects or ()]).limits
+        print_air([case.scenario for case in cases], [at for at in RANGES if near <= at <= far] or (near, far))
+
+    with _scenes(request, results, run, ("range",), check) as scenes:
         with patient_progress(run.show, "seas"):
             _show(ranges_of(scenes.cases, request, scenes.parts, report=scenes.report), results, scenes.files)
         if scenes.files is not None:

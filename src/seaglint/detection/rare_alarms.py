@@ -73,7 +73,7 @@ class RareTail:
     extremal_index: float  #: Events over exceedances at the threshold of the fit [1]: one over the mean size of a cluster.
     pixels: int  #: Values it rests on.
     note: str | None = None  #: Why there is no fit.
-    #: Shapes and scales whose log likelihood is within 2.2 of the largest [1, standard deviations].
+    #: Shapes and scales whose log likelihood is within 2.2 of the largest [1, standard deviations; (points,) each].
     region: tuple[FloatArray, FloatArray] = field(default=(np.empty(0), np.empty(0)), repr=False)
     levels: StatisticSteps | None = None  #: Levels of a stepped statistic: thresholds are stated as the middle between two of them.
 

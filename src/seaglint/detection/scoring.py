@@ -219,7 +219,7 @@ class SegmentSums:
 class Interval:
     """Rate with its confidence interval."""
 
-    rate: float  #: [1]
+    rate: float  #: Estimated rate [1].
     low: float | None  #: Lower end [1]; None where none can be given, see ``note``.
     high: float | None  #: Upper end [1]; None where none can be given.
     inflation: float  #: Variance over that of independent trials [1]; trials / inflation is the effective number.

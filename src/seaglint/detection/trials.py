@@ -106,42 +106,18 @@ LARGEST_CONTRAST: Final = 1e30  #: Largest contrast in single precision, with a 
 
 @dataclass(frozen=True)
 class InjectedObjects:
-    """Injected objects and the matching of detections to them.
+    """Injected objects and the matching of detections to them."""
 
-    Parameters
-    ----------
-    shape : SpotShape
-        Shape of every object.
-    contrasts : tuple of float
-        Signals of an object in the pixel at whose centre it lies; not 0 [u].
-    injections : int
-        Objects of each contrast, all at the same places.
-    placement : {"random", "centre"}
-        Anywhere within the pixels, or at their centres.
-    match_radius : float
-        Largest distance of a detection from the object's pixel [px].
-    velocity : (float, float)
-        Motion in rows and columns [px a frame].
-    pointing : {"least-squares", "centroid"}
-        Method that estimates places.
-    seed : int
-        Seed of places.
-    duration : int
-        Frames for which an object is there, up to the one that is judged; 0 for all that the detector sees [frames].
-    only_rows : (int, int), optional
-        Rows that hold objects, first and end [px].
-    """
-
-    shape: SpotShape
-    contrasts: tuple[float, ...]
-    injections: int = 1000
-    placement: Placement = "random"
-    match_radius: float = 1.0
-    velocity: tuple[float, float] = (0.0, 0.0)
-    pointing: Pointing = "least-squares"
-    seed: int = 0
-    duration: int = 0
-    only_rows: tuple[int, int] | None = None
+    shape: SpotShape  #: Shape of every object.
+    contrasts: tuple[float, ...]  #: Signals of an object in the pixel at whose centre it lies; not 0 [u].
+    injections: int = 1000  #: Objects of each contrast, all at the same places.
+    placement: Placement = "random"  #: ``random``, anywhere within the pixels, or ``centre``, at their centres.
+    match_radius: float = 1.0  #: Largest distance of a detection from the object's pixel [px].
+    velocity: tuple[float, float] = (0.0, 0.0)  #: Motion in rows and columns [px a frame].
+    pointing: Pointing = "least-squares"  #: Method that estimates places, ``least-squares`` or ``centroid``.
+    seed: int = 0  #: Seed of places.
+    duration: int = 0  #: Frames for which an object is there, up to the judged one; 0 for all that the detector sees [frames].
+    only_rows: tuple[int, int] | None = None  #: Rows that hold objects, first and end [px].
 
     def __post_init__(self) -> None:
         wrong = [c for c in self.contrasts if c == 0 or not np.isfinite(c)]

@@ -31,12 +31,12 @@ NODES = 320  #: Number of ranges at which the atmosphere is evaluated; the coeff
 class PathBasis:
     """Transmittance and path radiance from one sensor height, ready for band products."""
 
-    wavenumber_cm: FloatArray  #: Samples inside the band.
+    wavenumber_cm: FloatArray  #: Samples inside the band [cm-1, (n,)].
     grid: slice  #: Position of these samples on the atmosphere's grid.
-    phi: FloatArray  #: Basis of transmittance spectra.
-    weights: FloatArray  #: Quadrature weights of the band.
-    coefficients: FloatArray  #: ``a_k`` at the requested ranges.
-    path_radiance: FloatArray  #: Thermal path radiance in the band.
+    phi: FloatArray  #: Basis of transmittance spectra [1, (k, n)].
+    weights: FloatArray  #: Quadrature weights of the band [cm-1, (n,)].
+    coefficients: FloatArray  #: ``a_k`` at the requested ranges [1, (m, k)].
+    path_radiance: FloatArray  #: Thermal path radiance in the band [W m-2 sr-1, (m,)].
 
     def project(self, spectra: FloatArray) -> FloatArray:
         """Band integrals ``int R phi_k X dnu``: (..., n) [X] to (..., k) [X cm-1]."""

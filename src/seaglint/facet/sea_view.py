@@ -66,15 +66,15 @@ class SeaView:
     slopes: SlopeStatistics  #: Statistics of its slopes.
     sea_temperature: float  #: Temperature of the sea's skin [K].
     sensor_height: float  #: Height of the sensor [m].
-    #: ``solar_zenith``, ``solar_azimuth``: Direction from the sea at the sensor's foot to the Sun's centre, apparent [rad]; below the
-    #: horizon is valid. Elsewhere the direction is relative to the vertical there (:mod:`seaglint.facet.sunlight`).
+    #: Zenith angle of the Sun's centre at the sea at the sensor's foot, apparent [rad]; below the horizon is valid. Elsewhere the direction
+    #: is relative to the vertical there (:mod:`seaglint.facet.sunlight`).
     solar_zenith: float
-    solar_azimuth: float = 0.0
+    solar_azimuth: float = 0.0  #: Azimuth of the Sun's centre there, apparent [rad].
     sun_distance_factor: float = 1.0  #: ``1/d^2`` with d the distance of the Sun in au [1].
     #: Legs shadowed by waves, for the Sun's light, and how. The nested law also weighs the facets that emit and mirror the sky; waves
     #: never hide the sky of these facets, apart from the facets that mirror the sea.
     shadowing: Shadowing = NESTED
-    background: Background = "facets"  #: See :data:`Background`.
+    background: Background = "facets"  #: Sea without the Sun, facets or a blackbody (:data:`Background`).
     scattering: bool = True  #: Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
 
     def __post_init__(self) -> None:

@@ -39,7 +39,7 @@ class SkyTable:
     """
 
     angular: CubicSpline[np.float64]  #: ``u_r`` against the square root of elevation [(..., r)].
-    spectral: FloatArray  #: ``v_r`` [W m-2 sr-1 per cm-1, (r, n)].
+    spectral: FloatArray  #: Factors ``v_r`` over wavenumber [W m-2 sr-1 per cm-1, (r, n)].
 
     @classmethod
     def of(cls, atmosphere: Atmosphere, grid: slice = slice(None)) -> SkyTable:

@@ -70,7 +70,7 @@ class ReflectanceSeries:
     spectral sums over ``a_j`` can be taken before any direction is known.
     """
 
-    coefficients: FloatArray  #: ``a_j`` [1, (terms, n)].
+    coefficients: FloatArray  #: Chebyshev coefficients ``a_j`` [1, (terms, n)].
 
     @classmethod
     def of(cls, index: ArrayLike, terms: int = 16) -> ReflectanceSeries:

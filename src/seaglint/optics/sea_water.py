@@ -31,9 +31,8 @@ class WaterIndex:
 
     name: str  #: For provenance.
     wavelength_um: FloatArray  #: Ascending [um, (m,)]; the index is refused outside it.
-    #: ``n``, ``k``: Real part and extinction coefficient [1, (m,)].
-    n: FloatArray
-    k: FloatArray
+    n: FloatArray  #: Real part [1, (m,)].
+    k: FloatArray  #: Extinction coefficient [1, (m,)].
 
     def index(self, wavenumber_cm: ArrayLike) -> NDArray[np.complex128]:
         """Complex index ``n + i k`` at wavenumbers [cm-1], same shape; DomainError outside the table."""

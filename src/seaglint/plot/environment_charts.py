@@ -249,7 +249,7 @@ def write_map(dataset: xr.Dataset, output: Path) -> None:
 
 
 def write_regions(result: dict[str, dict[str, FloatArray]], output: Path) -> None:
-    """Draw chances by threshold and by month for several sea regions, from :func:`seaglint.studies.likelihood.chance_map.regions`."""
+    """Draw chances by threshold and by month for several sea regions, by region, threshold and month."""
     figure = new_figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
     for name, columns in result.items():

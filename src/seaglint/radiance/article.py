@@ -37,13 +37,10 @@ class ArticleAtmosphere:
     """Band quantities of one atmosphere for one sensor height, interpolated as in the article. Make it with :meth:`fit`."""
 
     coefficients: FloatArray  #: ``a_0 ... a_3`` of Eq. 9 for the slant range in km [(4,)].
-    #: ``path``, ``boundary``: Path radiance, and radiance of a blackbody sea behind the path [W m-2 sr-1], against ln slant range [m].
-    path: CubicSpline[np.float64]
-    boundary: CubicSpline[np.float64]
-    #: ``sun``, ``sky``: Irradiance at the sea normal to the beam [W m-2] and sky radiance from the sensor's height [W m-2 sr-1], against
-    #: zenith [rad].
-    sun: PchipInterpolator
-    sky: PchipInterpolator
+    path: CubicSpline[np.float64]  #: Path radiance [W m-2 sr-1] against ln slant range [m].
+    boundary: CubicSpline[np.float64]  #: Radiance of a blackbody sea behind the path [W m-2 sr-1], likewise.
+    sun: PchipInterpolator  #: Irradiance at the sea normal to the beam [W m-2] against zenith [rad].
+    sky: PchipInterpolator  #: Sky radiance from the sensor's height [W m-2 sr-1] against zenith [rad].
     fit_error: float  #: Largest error of the transmittance of Eq. 9 at the fitted ranges [1].
 
     @classmethod

@@ -22,7 +22,7 @@ from seaglint.scenario.keys import key_at, table_keys
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import TABLES
-from seaglint.scenario.records.record import convert
+from seaglint.scenario.records.quantities import convert
 from seaglint.scenario.records.sensor_table import PhotonDetector, ThermalDetector
 
 #: Camera in the words of a data sheet, for help texts and messages.

@@ -18,7 +18,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import PRESETS, with_sensor
 from seaglint.scenario.records.ensemble_tables import Choice, Dataset, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
 from seaglint.scenario.records.object_tables import with_names
-from seaglint.scenario.records.record import Quantity, Record, about, rule
+from seaglint.scenario.records.quantities import Quantity, Record, about, rule
 
 Sampling = Literal["random", "latin_hypercube", "sobol"]
 

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.record import Quantity
+from seaglint.scenario.records.quantities import Quantity
 
 
 @dataclass(frozen=True)

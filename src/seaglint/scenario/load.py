@@ -19,7 +19,7 @@ from seaglint.scenario.keys import choices_at, is_list, key_at, key_paths, kinds
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import with_sensor
 from seaglint.scenario.records.object_tables import with_names
-from seaglint.scenario.records.record import meant_in
+from seaglint.scenario.records.quantities import meant_in
 from seaglint.scenario.text import display  # noqa: F401 - scenarios show themselves in notebooks
 
 log = logging.getLogger(__name__)

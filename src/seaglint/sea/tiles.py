@@ -85,9 +85,8 @@ class Tile:
     #: Angle of the first axis from east, counter-clockwise from above [rad]: ``u = (cos a x + sin a y)``, ``v = (-sin a x + cos a
     #: y)``.
     rotation: float
-    #: ``k_min``, ``k_max``: Waves with ``k_min <= k < k_max`` belong to this tile [rad m⁻¹].
-    k_min: float
-    k_max: float
+    k_min: float  #: Lower end of the tile's waves, included [rad m⁻¹].
+    k_max: float  #: Upper end of the tile's waves, not included [rad m⁻¹].
 
     def __post_init__(self) -> None:
         """Refuse tiles that cannot carry their band."""

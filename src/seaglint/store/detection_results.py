@@ -25,9 +25,8 @@ class Chip:
 
     score: float  #: Statistic there [standard deviations]; -99 without one.
     frame: int  #: Number of the window.
-    #: ``row``, ``column``: Centre [px].
-    row: int
-    column: int
+    row: int  #: Row of the centre [px].
+    column: int  #: Column of the centre [px].
     pixels: list[list[float | None]]  #: Values [units of the source]; None beyond the frame.
 
 
@@ -35,9 +34,8 @@ class Chip:
 class Chips:
     """Missed objects and false alarms as pictures."""
 
-    #: ``missed``, ``false``: Missed objects, with the object in them; highest false alarms.
-    missed: tuple[Chip, ...]
-    false: tuple[Chip, ...]
+    missed: tuple[Chip, ...]  #: Missed objects, with the object in them.
+    false: tuple[Chip, ...]  #: Highest false alarms.
     missed_contrast_pixel: float | None  #: Contrast of the missed ones in their pixel [units of the source].
 
 
@@ -45,12 +43,10 @@ class Chips:
 class FalseAlarmMap:
     """False alarms over the field, in tiles."""
 
-    #: ``exceedances``, ``pixels``: Pixels above the threshold, and pixels judged, of each tile.
-    exceedances: list[list[int]]
-    pixels: list[list[int]]
-    #: ``down``, ``right``: Edges of the tiles: elevation and azimuth [deg], or row and column [px].
-    down: list[float]
-    right: list[float]
+    exceedances: list[list[int]]  #: Pixels above the threshold, of each tile.
+    pixels: list[list[int]]  #: Pixels judged, of each tile.
+    down: list[float]  #: Edges of the tiles downwards: elevation [deg] or row [px].
+    right: list[float]  #: Edges of the tiles to the right: azimuth [deg] or column [px].
     in_degrees: bool  #: True where the field is a grid of directions, and edges are angles.
 
     @staticmethod
@@ -71,7 +67,7 @@ class FalseAlarmMap:
 
 
 @dataclass(frozen=True)
-class Judged:
+class DetectorResult:
     """Performance of a detector in one scene or recording."""
 
     result: JsonObject  #: Numbers that ``seaglint detect --json`` prints.
@@ -88,11 +84,11 @@ class DetectionCase:
 
     parameters: TableRow  #: Keys that were varied, with their values.
     scenario: TomlTables = field(default_factory=dict)  #: Scenario as one table; empty for a recording.
-    judged: Judged | None = None  #: Performance of the detector; None where the case failed.
+    judged: DetectorResult | None = None  #: Performance of the detector; None where the case failed.
     error: str | None = None  #: Reason of the failure.
 
     @property
-    def done(self) -> Judged:
+    def done(self) -> DetectorResult:
         """Performance of the detector, in a case that did not fail."""
         if self.judged is None:
             raise ValueError(f"the case failed: {self.error}")
@@ -117,7 +113,7 @@ class DetectionCase:
         settings: JsonObject = {"parameters": self.parameters, "scenario": self.scenario}
         if self.judged is None:
             return settings | {"error": self.error}
-        results = {entry.name: getattr(self.judged, entry.name) for entry in fields(Judged)}
+        results = {entry.name: getattr(self.judged, entry.name) for entry in fields(DetectorResult)}
         return settings | results | {"map": self.judged.map.as_dict(), "chips": asdict(self.judged.chips)}
 
     @classmethod
@@ -128,7 +124,7 @@ class DetectionCase:
         chips = Chips(missed, false, given["missed_contrast_pixel"])
         alarms = FalseAlarmMap.of(stored["map"])
         plain = {name: stored[name] for name in ("result", "rows", "roc", "stopped")}
-        return cls(stored["parameters"], stored["scenario"], Judged(**plain, map=alarms, chips=chips))
+        return cls(stored["parameters"], stored["scenario"], DetectorResult(**plain, map=alarms, chips=chips))
 
 
 def _as_text(parameters: TableRow) -> str:
@@ -223,11 +219,11 @@ _MARK = "seaglint-detection-parts"
 
 
 @dataclass(frozen=True)
-class Parts(ResumableFolder):
+class StudyParts(ResumableFolder):
     """Folder ``RESULT.parts`` of an unfinished detection study; make it with :meth:`at`."""
 
     @classmethod
-    def at(cls, base: Path, *, resume: bool, overwrite: bool) -> Parts:
+    def at(cls, base: Path, *, resume: bool, overwrite: bool) -> StudyParts:
         """Open the folder of a result; make it where it is missing.
 
         Raises
@@ -282,10 +278,10 @@ def keep_sea(folder: Path, number: int, frames: NDArray[np.float32]) -> None:
 
 
 @contextmanager
-def parts_folder(base: Path | None, *, resume: bool = False, overwrite: bool = False) -> Iterator[tuple[Parts, bool]]:
+def parts_folder(base: Path | None, *, resume: bool = False, overwrite: bool = False) -> Iterator[tuple[StudyParts, bool]]:
     """Provide the parts beside a result, and true where they outlive an interruption; without a result a temporary folder."""
     if base is not None:
-        parts = Parts.at(base, resume=resume, overwrite=overwrite)
+        parts = StudyParts.at(base, resume=resume, overwrite=overwrite)
         try:
             yield parts, True
         finally:
@@ -295,4 +291,4 @@ def parts_folder(base: Path | None, *, resume: bool = False, overwrite: bool = F
     import tempfile
 
     with tempfile.TemporaryDirectory(prefix="seaglint-") as folder:
-        yield Parts.at(Path(folder) / "study", resume=False, overwrite=True), False
+        yield StudyParts.at(Path(folder) / "study", resume=False, overwrite=True), False

@@ -82,6 +82,8 @@ class ResumableFolder:
 
     def clear(self) -> None:
         """Remove all parts and the folder; the mark goes last, so that an interrupted removal leaves a folder that is still ours."""
+        if self.folder.is_symlink():  # its target may hold more than parts, and the link itself cannot be removed as a folder
+            raise DataError(f"{self.folder} is a link, which is not emptied; remove it, or choose another output")
         mark = self.folder / self.mark
         for path in self.folder.iterdir():
             if path.is_dir() and not path.is_symlink():

@@ -190,7 +190,8 @@ class AutobinomialFit:
     """Fitted autobinomial field."""
 
     model: Autobinomial  #: The field.
-    covariance: FloatArray  #: Covariance of :attr:`parameters`; NaN where the picture is too small to determine it.
+    #: Covariance of :attr:`parameters` [(1 + classes, 1 + classes)]; NaN where the picture is too small to determine it.
+    covariance: FloatArray
     log_pseudo_likelihood: float  #: Log pseudo-likelihood of the picture at the fit, mean per pixel [nat].
     pixels: int  #: Number of fitted pixels, each with all its neighbours.
     method: Method  #: Method of the fit.

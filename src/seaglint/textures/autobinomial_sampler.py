@@ -358,10 +358,10 @@ LARGEST_RHAT: Final = 1.01  #: R-hat below which chains count as mixed (Vehtari 
 class Mixing:
     """Traces of several chains, and their convergence diagnostics."""
 
-    energy: FloatArray  #: Minus the exponent of the joint density, per pixel and without the count of choices [nat].
-    sums: FloatArray  #: Mean level, and mean product with each class of neighbours, per pair [level, level²].
-    rhat: FloatArray  #: Rank-normalised split R-hat of the energy and of each sum [1].
-    effective: FloatArray  #: Effective sample sizes (bulk) of the same, all chains [1].
+    energy: FloatArray  #: Minus the exponent of the joint density, per pixel and without the count of choices [nat, (chains, draws)].
+    sums: FloatArray  #: Mean level, and mean product with each class of neighbours, per pair [level, level²; (chains, draws, 1 + classes)].
+    rhat: FloatArray  #: Rank-normalised split R-hat of the energy and of each sum [1, (2 + classes,)].
+    effective: FloatArray  #: Effective sample sizes (bulk) of the same, all chains [1, (2 + classes,)].
 
     @property
     def mixed(self) -> bool:

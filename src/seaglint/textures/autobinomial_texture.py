@@ -39,8 +39,8 @@ class GreyLevels:
     (array([0, 3], dtype=int16), array([0., 4.]))
     """
 
-    edges: FloatArray  #: Values between neighbouring levels, ascending [as the picture].
-    values: FloatArray  #: Mean of the picture's pixels in each level [as the picture].
+    edges: FloatArray  #: Values between neighbouring levels, ascending [as the picture, (levels - 1,)].
+    values: FloatArray  #: Mean of the picture's pixels in each level [as the picture, (levels,)].
 
     @property
     def levels(self) -> int:

@@ -63,7 +63,7 @@ class GaussMarkov:
     offsets: tuple[Offset, ...]  #: Neighbours (frames, rows, columns), one of each pair.
     coefficients: tuple[float, ...]  #: Weight of both of each pair [1].
     variance: float  #: Conditional variance of a pixel given all others [u²].
-    mean: float = 0.0  #: [u].
+    mean: float = 0.0  #: Mean of the field [u].
 
     def __post_init__(self) -> None:
         offsets = tuple(canonical(d) for d in self.offsets)

@@ -29,8 +29,8 @@ class Optimum:
     """Maximum of a pseudo-likelihood or likelihood."""
 
     model: Autobinomial  #: Field at the maximum.
-    #: Covariance of the parameters, by the sandwich formula or from the inverse Fisher information with the error of the simulation; NaN
-    #: where the picture is too small to determine it.
+    #: Covariance of the parameters [(1 + classes, 1 + classes)], by the sandwich formula or from the inverse Fisher information with the
+    #: error of the simulation; NaN where the picture is too small to determine it.
     covariance: FloatArray
     steps: int  #: Number of Newton's steps.
     converged: bool  #: Whether the maximum was reached.

@@ -58,25 +58,26 @@ class ObjectBox:
 
 
 @dataclass(frozen=True)
-class Opened:
+class FileContent:
     """Content of a file: frames and attributes as in :class:`~seaglint.viewer.frame_source.ViewerSource`."""
 
-    frames: int
-    rows: int
-    columns: int
-    layers: dict[str, Layer]
-    done: Callable[[], NDArray[np.int64]] = field(repr=False)
-    frame_rate: float | None = None
-    times: NDArray[np.float64] | None = None
+    frames: int  #: Number of frames.
+    rows: int  #: Rows of an image.
+    columns: int  #: Columns of an image.
+    layers: dict[str, Layer]  #: Layers by name.
+    done: Callable[[], NDArray[np.int64]] = field(repr=False)  #: Gives the numbers of finished frames.
+    frame_rate: float | None = None  #: Frames per second [Hz].
+    times: NDArray[np.float64] | None = None  #: Time of each frame [s, (frames,)].
+    #: Gives azimuth and elevation of a frame's pixels [deg].
     directions: Callable[[int], tuple[NDArray[np.float64], NDArray[np.float64]]] | None = field(default=None, repr=False)
-    turning: bool = False
-    boxes: Callable[[int], list[ObjectBox]] | None = field(default=None, repr=False)
-    recording: Recording | None = None
-    title: str = ""
-    notes: tuple[str, ...] = ()
+    turning: bool = False  #: Whether directions change from frame to frame.
+    boxes: Callable[[int], list[ObjectBox]] | None = field(default=None, repr=False)  #: Gives the objects in view in a frame.
+    recording: Recording | None = None  #: Recording behind the file, where it is one.
+    title: str = ""  #: Title of the scene.
+    notes: tuple[str, ...] = ()  #: Sentences for the user.
 
 
-def open_path(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> Opened:
+def open_path(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> FileContent:
     """Open the file or folder at a path; arguments as in :func:`~seaglint.formats.recording.open_recording`.
 
     Raises
@@ -93,7 +94,7 @@ def open_path(path: Path, variable: str | None = None, channel: str | None = Non
     return _of_recording(open_recording(path, variable=variable, channel=channel, axes=axes))
 
 
-def _of_sequence(path: Path, variable: str | None) -> Opened:
+def _of_sequence(path: Path, variable: str | None) -> FileContent:
     """Open a store of seaglint; only existing chunks of ``frame_done`` are read, since requesting each of many chunks takes long."""
     import xarray as xr
 
@@ -136,7 +137,7 @@ def _images(dataset: Any) -> list[str]:
     return sorted(names, key=lambda name: IMAGES.index(name) if name in IMAGES else len(IMAGES))
 
 
-def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[], NDArray[np.int64]] | None) -> Opened:
+def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[], NDArray[np.int64]] | None) -> FileContent:
     names = _images(dataset)
     if variable is not None:
         if variable not in names:
@@ -157,7 +158,7 @@ def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[
         towards(0)
     except (KeyError, ValueError, TypeError, IndexError):
         towards = None
-    return Opened(
+    return FileContent(
         frames=frames,
         rows=rows,
         columns=columns,
@@ -236,7 +237,7 @@ def _boxes(path: Path) -> Callable[[int], list[ObjectBox]] | None:
     return read
 
 
-def _of_recording(recording: Recording) -> Opened:
+def _of_recording(recording: Recording) -> FileContent:
     """Open any other recording; without units, numbers are counts where the format has integers, otherwise the unit is not known."""
     unit = recording.units or ("counts" if recording.saturation is not None else "unit not known")
     label = "counts" if unit == "counts" else "value"
@@ -248,7 +249,7 @@ def _of_recording(recording: Recording) -> Opened:
 
     full = None if recording.saturation is None else recording.saturation + recording.offset
     everything = np.arange(recording.frames, dtype=np.int64)
-    return Opened(
+    return FileContent(
         frames=recording.frames,
         rows=recording.rows,
         columns=recording.columns,
@@ -296,7 +297,7 @@ class ViewerSource:
         self._opened = self._open()
 
     @property
-    def opened(self) -> Opened:
+    def opened(self) -> FileContent:
         """Return the content of the file in its present state."""
         with self._lock:
             self._reopen_if_replaced()
@@ -324,7 +325,7 @@ class ViewerSource:
                 return place, (status.st_ino, status.st_mtime_ns, 0 if place.is_dir() else status.st_size)
         raise GoneError(f"{self.path}: is not there any more; put it back, or choose another one")
 
-    def _open(self) -> Opened:
+    def _open(self) -> FileContent:
         opened = open_path(self._place, self._variable, self._channel, self._axes)
         self._cached.clear()
         self._bytes, self._done = 0, opened.done()

@@ -61,20 +61,18 @@ class HazeWeather:
     haze: str = "navy-maritime"  #: Name of the boundary layer's aerosol, ``none`` for no aerosol at any height.
     visibility_km: float | None = None  #: Meteorological range at the sea [km]; None leaves it to the haze.
     air_mass: int = 3  #: Character of the air mass, 1 open ocean to 10 continental (Navy).
-    #: ``wind``, ``wind_24h``: Wind now and its mean over a day [m s-1], at most 20 for the Navy's haze.
-    wind: float = 0.0
-    wind_24h: float = 0.0
+    wind: float = 0.0  #: Present wind [m s-1], at most 20 for the Navy's haze.
+    wind_24h: float = 0.0  #: Mean wind over a day [m s-1], at most 20 for the Navy's haze.
 
 
 @dataclass(frozen=True, eq=False)
 class Aerosols:
     """Aerosols of four regions."""
 
-    density: FloatArray  #: [km-1 at 0.55 um, (4, levels)].
+    density: FloatArray  #: Extinction at 0.55 um [km-1, (4, levels)].
     tops: FloatArray  #: Highest levels of the regions [m, (4,)].
-    #: ``extinction``, ``absorption``: Relative to extinction at 0.55 um, on the channels [1, (4, n)].
-    extinction: FloatArray
-    absorption: FloatArray
+    extinction: FloatArray  #: Extinction over extinction at 0.55 um, on the channels [1, (4, n)].
+    absorption: FloatArray  #: Absorption over extinction at 0.55 um, on the channels [1, (4, n)].
     asymmetry: FloatArray  #: Mean cosine of the scattering angle [1, (4, n)].
     visibility_km: float  #: Meteorological range at the sea that was used [km].
 

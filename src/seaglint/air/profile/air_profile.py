@@ -172,11 +172,10 @@ class AirProfile:
     """Air at ascending levels from the sea to 100 km."""
 
     name: str  #: Name of the air in messages.
-    #: ``height``, ``pressure``, ``temperature``, ``vapour``: [m], [hPa], [K], water vapour [g m-3]; (levels,).
-    height: FloatArray
-    pressure: FloatArray
-    temperature: FloatArray
-    vapour: FloatArray
+    height: FloatArray  #: Heights of the levels [m, (levels,)].
+    pressure: FloatArray  #: Pressure [hPa, (levels,)].
+    temperature: FloatArray  #: Temperature [K, (levels,)].
+    vapour: FloatArray  #: Water vapour [g m-3, (levels,)].
     gas: FloatArray  #: Mixing ratios of :data:`GASES` [1e-6 of the volume, (12, levels)].
     earth_radius: float  #: LOWTRAN7's radius of the Earth for the latitude of the model [m].
     season: str  #: ``spring`` (and summer) or ``fall`` (and winter), which the aerosol above 2 km follows.

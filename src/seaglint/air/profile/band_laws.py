@@ -77,11 +77,9 @@ class BandNumbers:
     """Band laws on the channels of LOWTRAN7's file."""
 
     continuum: FloatArray  #: Coefficients of the amounts 6, 4, 5, 9, 10, 11, 8, 63, 1, 2 [(10, n)].
-    #: ``column``, ``power``, ``log_coefficient``: Rows of bands: number of the scaled amount (0: no band), its power, logarithm of the
-    #: depth of amount 1; (rows, n).
-    column: NDArray[np.int64]
-    power: FloatArray
-    log_coefficient: FloatArray
+    column: NDArray[np.int64]  #: Rows of bands: number of the scaled amount, 0 without a band [(rows, n)].
+    power: FloatArray  #: Their power of the scaled amount [1, (rows, n)].
+    log_coefficient: FloatArray  #: Their logarithm of the depth of amount 1 [1, (rows, n)].
     #: Gas and exponents of relative pressure and of 273.15 K / T of each scaled amount, by number.
     scaled: Mapping[int, tuple[str, float, float]]
     #: Temperature of the law by which water's own continuum grows in cold air [K]; 0 for LOWTRAN7's, linear from 296 down to 260 K. One law
@@ -179,7 +177,7 @@ def _free_row(column: NDArray[np.int64], first: int, channels: NDArray[np.intp])
 class BandLaws:
     """Laws of some channels. Make them with :meth:`of`."""
 
-    wavenumber_cm: FloatArray  #: [cm-1, (n,)].
+    wavenumber_cm: FloatArray  #: Channels [cm-1, (n,)].
     continuum: FloatArray  #: Coefficients in the order of :data:`LINEAR` [(10, n)].
     gases: GasBands  #: Bands.
     source: FloatArray  #: Sunlight outside the air at 1 au [W m-2 per cm-1, (n,)].
@@ -232,11 +230,10 @@ class BandLaws:
 class OwnGases:
     """Gases that replace the gases of a profile; None leaves the profile's."""
 
-    co2_ppmv: float | None = None  #: Of dry air, the same at all heights.
-    #: ``ch4_ppmv``, ``n2o_ppmv``: Of dry air, at the lowest level; above in proportion to the profile's.
-    ch4_ppmv: float | None = None
-    n2o_ppmv: float | None = None
-    ozone_du: float | None = None  #: Column from the sea up [Dobson units].
+    co2_ppmv: float | None = None  #: Carbon dioxide [1e-6 of dry air], the same at all heights.
+    ch4_ppmv: float | None = None  #: Methane [1e-6 of dry air] at the lowest level; above in proportion to the profile's.
+    n2o_ppmv: float | None = None  #: Nitrous oxide, as ``ch4_ppmv`` [1e-6 of dry air].
+    ozone_du: float | None = None  #: Ozone column from the sea up [Dobson units].
 
     def of(self, spectroscopy: Spectroscopy) -> OwnGases:
         """Return the gases with carbon dioxide of today, unless LOWTRAN7's numbers require LOWTRAN7's gases."""

@@ -47,7 +47,7 @@ CLOSEST: Final = 1e-3  #: Smallest distance in height between two nodes [m].
 class BentRay:
     """Nodes of a ray from its start on."""
 
-    height: FloatArray  #: [m, (nodes,)].
+    height: FloatArray  #: Heights of the nodes [m, (nodes,)].
     length: FloatArray  #: Lengths of the pieces between nodes [m, (nodes - 1,)].
     zenith: FloatArray  #: Zenith angle of the onward direction [rad, (nodes,)].
     arc: FloatArray  #: Angle at the Earth's centre from the start [rad, (nodes,)].
@@ -71,10 +71,9 @@ class RefractingAir:
     Make it with :meth:`of`, or directly if no gradient is to be reduced.
     """
 
-    #: ``height``, ``log_refractivity``: Levels [m] and ``log(n - 1)``; (levels,).
-    height: FloatArray
-    log_refractivity: FloatArray
-    earth_radius: float  #: [m].
+    height: FloatArray  #: Heights of the levels [m, (levels,)].
+    log_refractivity: FloatArray  #: ``log(n - 1)`` at the levels [1, (levels,)].
+    earth_radius: float  #: Radius of the Earth [m].
 
     @classmethod
     def of(cls, height: FloatArray, refractivity: FloatArray, earth_radius: float) -> RefractingAir:

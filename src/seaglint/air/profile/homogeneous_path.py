@@ -39,9 +39,8 @@ _LIMITS: Final = {"temperature_k": (150.0, 400.0, "K"), "pressure_hpa": (0.01, 1
 class PathSpectrum:
     """Spectrum of a path."""
 
-    #: ``wavenumber_cm``, ``transmittance``: Channels [cm-1] and transmittance [1]; (n,).
-    wavenumber_cm: FloatArray
-    transmittance: FloatArray
+    wavenumber_cm: FloatArray  #: Channels [cm-1, (n,)].
+    transmittance: FloatArray  #: Transmittance [1, (n,)].
     mean: float  #: Mean over the band, weighted with the blackbody at the path's temperature [1].
 
 

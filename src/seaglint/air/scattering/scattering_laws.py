@@ -93,13 +93,12 @@ class SpectralLaws:
 class AirLevels:
     """One atmosphere at LOWTRAN7's levels."""
 
-    earth_radius: float  #: [km].
-    #: ``height``, ``pressure``, ``temperature``, ``refractivity``, ``humidity``: [km], [hPa], [K], ``n - 1`` [1], relative [%]; (levels,).
-    height: FloatArray
-    pressure: FloatArray
-    temperature: FloatArray
-    refractivity: FloatArray
-    humidity: FloatArray
+    earth_radius: float  #: Radius of the Earth [km].
+    height: FloatArray  #: Heights of the levels [km, (levels,)].
+    pressure: FloatArray  #: Pressure [hPa, (levels,)].
+    temperature: FloatArray  #: Temperature [K, (levels,)].
+    refractivity: FloatArray  #: Refractivity ``n - 1`` [1, (levels,)].
+    humidity: FloatArray  #: Relative humidity [%, (levels,)].
     tops: FloatArray  #: Highest levels of the aerosol's regions [km, (4,)].
     density: FloatArray  #: Scaled densities in the order of :attr:`SpectralLaws.columns` [(columns, levels)].
     cold_kelvin: float = 0.0  #: Temperature of the law by which water's own continuum grows in cold air [K], 0 for LOWTRAN7's.

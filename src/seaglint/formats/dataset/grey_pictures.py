@@ -27,12 +27,10 @@ class PictureLevels:
     """Linear relation of one scene's levels, the same for all of its frames: ``value = offset + scale * level``."""
 
     bits: Bits  #: Bits of a level.
-    #: ``scale``, ``offset``: Relation to the values that the levels were made of: counts, or radiance [W m-2 sr-1].
-    scale: float
-    offset: float
-    #: ``radiance_scale``, ``radiance_offset``: Radiance of a level and of level 0 [W m-2 sr-1].
-    radiance_scale: float
-    radiance_offset: float
+    scale: float  #: Step of a level, in the values that the levels were made of: counts, or radiance [W m-2 sr-1].
+    offset: float  #: Value of level 0, in the same unit.
+    radiance_scale: float  #: Radiance of a step [W m-2 sr-1].
+    radiance_offset: float  #: Radiance of level 0 [W m-2 sr-1].
     counts: bool  #: True where the levels were made from a detector's counts.
 
     @classmethod

@@ -106,14 +106,12 @@ class Exported:
     """Result of an export."""
 
     files: tuple[Path, ...]  #: The requested file, and its header for a format without one inside the file.
-    #: ``variable``, ``units``: Variable and unit of the numbers.
-    variable: str
-    units: str
+    variable: str  #: Variable of the numbers.
+    units: str  #: Unit of the numbers.
     shape: tuple[int, int, int]  #: Frames, rows, columns.
     dtype: str  #: Type of the numbers in the file.
-    #: ``scale_factor``, ``add_offset``: ``value = add_offset + scale_factor * count``, where values were made counts.
-    scale_factor: float | None = None
-    add_offset: float | None = None
+    scale_factor: float | None = None  #: ``value = add_offset + scale_factor * count``, where values were made counts.
+    add_offset: float | None = None  #: Value of count 0.
     cut: int = 0  #: Values beyond the range, put to its ends.
 
     @property

@@ -106,18 +106,14 @@ class LowtranSpectrum:
 
     arc_m: float  #: Arc along the sea below the path, on LOWTRAN7's Earth [m].
     earth_radius_m: float  #: Radius of that Earth [m].
-    #: ``level_height_m``, ``refractivity``: Levels [m] and ``n - 1`` there.
-    level_height_m: FloatArray
-    refractivity: FloatArray
-    #: ``wavenumber_cm``, ``transmittance``: [cm-1], [1].
-    wavenumber_cm: FloatArray
-    transmittance: FloatArray
-    radiance: FloatArray  #: Thermal, of the whole path [W m-2 sr-1 per cm-1].
-    #: ``irradiance``, ``source``: Sunlight normal to the beam at the lower end and outside the atmosphere, 1 au [W m-2 per cm-1]; 0 for
-    #: other kinds of case.
-    irradiance: FloatArray
-    source: FloatArray
-    scattered: FloatArray  #: Sunlight scattered into the path [W m-2 sr-1 per cm-1]; 0 for cases without a Sun.
+    level_height_m: FloatArray  #: Heights of the levels [m, (34,)].
+    refractivity: FloatArray  #: ``n - 1`` at the levels [1, (34,)].
+    wavenumber_cm: FloatArray  #: Channels [cm-1, (n,)].
+    transmittance: FloatArray  #: Transmittance of the path [1, (n,)].
+    radiance: FloatArray  #: Thermal radiance of the whole path [W m-2 sr-1 per cm-1, (n,)].
+    irradiance: FloatArray  #: Sunlight normal to the beam at the lower end [W m-2 per cm-1, (n,)]; 0 for other kinds of case.
+    source: FloatArray  #: Sunlight normal to the beam outside the atmosphere, 1 au [W m-2 per cm-1, (n,)]; 0 for other kinds of case.
+    scattered: FloatArray  #: Sunlight scattered into the path [W m-2 sr-1 per cm-1, (n,)]; 0 without a Sun.
 
 
 def fortran_file() -> Path:

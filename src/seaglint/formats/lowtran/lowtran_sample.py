@@ -72,21 +72,18 @@ class Dump:
     """Output file of a run, as read."""
 
     air: AirLevels  #: Profiles, with the densities of all of LOWTRAN7's columns [(63, levels)].
-    #: ``node_um``, ``node_extinction``, ``node_absorption``: Boundary-layer aerosol at LOWTRAN7's wavelengths [um], [1], [1]; (47,).
-    node_um: FloatArray
-    node_extinction: FloatArray
-    node_absorption: FloatArray
+    node_um: FloatArray  #: LOWTRAN7's wavelengths of the boundary-layer aerosol [um, (47,)].
+    node_extinction: FloatArray  #: Extinction at these wavelengths [1, (47,)].
+    node_absorption: FloatArray  #: Absorption at these wavelengths [1, (47,)].
     phase: FloatArray  #: Phase functions [sr-1, (26 aerosol models, wavelengths, angles)].
-    wavenumber_cm: FloatArray  #: [cm-1, (n,)].
-    #: ``abb``, ``log_coefficient``, ``power``, ``column``: Continuum coefficients (n, 17), and per gas (n, 11).
-    abb: FloatArray
-    log_coefficient: FloatArray
-    power: FloatArray
-    column: NDArray[np.int64]
-    #: ``extinction``, ``absorption``, ``asymmetry``: Aerosols of the five regions [(n, 5)].
-    extinction: FloatArray
-    absorption: FloatArray
-    asymmetry: FloatArray
+    wavenumber_cm: FloatArray  #: Channels [cm-1, (n,)].
+    abb: FloatArray  #: Continuum coefficients [(n, 17)].
+    log_coefficient: FloatArray  #: Decadic logarithm of the band coefficient per gas [(n, 11)].
+    power: FloatArray  #: Power of the scaled amount per gas [1, (n, 11)].
+    column: NDArray[np.int64]  #: Number of the scaled amount per gas [(n, 11)].
+    extinction: FloatArray  #: Extinction of the aerosols of the five regions [1, (n, 5)].
+    absorption: FloatArray  #: Absorption of these aerosols [1, (n, 5)].
+    asymmetry: FloatArray  #: Mean cosine of the scattering angle of these aerosols [1, (n, 5)].
 
     @classmethod
     def of(cls, raw: FloatArray) -> Dump:
@@ -226,7 +223,7 @@ def lowtran_atmosphere(
     band_um : (float, float)
         Wavelengths to cover [um], within 0.2-28.
     levels : sequence of ProfileLevel, optional
-        Profile of :func:`seaglint.formats.lowtran.sounding.read_sounding`.
+        Profile of :func:`seaglint.formats.soundings.sounding.read_sounding`.
     name : str, optional
         Name of the atmosphere in error messages.
     timeout : float

@@ -49,7 +49,7 @@ SHORT_OF_LOWTRAN7_HORIZON: Final = 1e-4
 class ModtranCase:
     """Line of sight of one case: ``path`` from the sensor to the sea, ``sky`` from sensor or sea, ``sun`` from the sea to the Sun."""
 
-    kind: Literal["path", "sky", "sun"]
+    kind: Literal["path", "sky", "sun"]  #: Line of sight: path, sky or Sun.
     height_m: float  #: Height of the eye: H1 [m].
     zenith_deg: float  #: Zenith angle of the line there: ANGLE, OBSZEN [deg].
     range_m: float | None = None  #: Arc of a path along the sea [m].

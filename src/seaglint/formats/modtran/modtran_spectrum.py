@@ -83,12 +83,11 @@ class ModtranSpectrum:
 
     where: str  #: File and case, as error messages call it.
     sight: ModtranSight | None  #: Geometry that the file states.
-    wavenumber_cm: FloatArray  #: Ascending [cm-1].
-    transmittance: FloatArray | None  #: [1].
-    #: ``thermal``, ``scattered``: Radiance of the path, emitted (and scattered thermal) and scattered sunlight [W m-2 sr-1 per cm-1].
-    thermal: FloatArray | None
-    scattered: FloatArray | None
-    sun: FloatArray | None  #: Sunlight normal to the beam at H1 [W m-2 per cm-1].
+    wavenumber_cm: FloatArray  #: Ascending channels [cm-1, (n,)].
+    transmittance: FloatArray | None  #: Transmittance [1, (n,)].
+    thermal: FloatArray | None  #: Radiance of the path, emitted (and scattered thermal) [W m-2 sr-1 per cm-1, (n,)].
+    scattered: FloatArray | None  #: Sunlight scattered into the path [W m-2 sr-1 per cm-1, (n,)].
+    sun: FloatArray | None  #: Sunlight normal to the beam at H1 [W m-2 per cm-1, (n,)].
 
     def need(self, name: Literal["transmittance", "thermal", "scattered", "sun"]) -> FloatArray:
         """Return one of the four spectra; raise an error where the file has none.

@@ -305,17 +305,15 @@ TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "floa
 class RawLayout:
     """Layout of a raw file."""
 
-    #: ``rows``, ``columns``: Size of a frame.
-    rows: int
-    columns: int
+    rows: int  #: Rows of a frame.
+    columns: int  #: Columns of a frame.
     dtype: str = "uint16"  #: uint8, int8, uint16, int16, uint32, int32, float32 or float64.
     byte_order: str = "little"  #: ``little`` or ``big``.
     offset: int = 0  #: Bytes before the first frame.
     frame_header: int = 0  #: Bytes before each frame.
-    #: ``frame_rate``, ``units``, ``saturation``: See :class:`~seaglint.analysis.Recording`; a camera of 14 bits in 16 saturates at 16383.
-    frame_rate: float | None = None
-    units: str | None = None
-    saturation: float | None = None
+    frame_rate: float | None = None  #: Frames per second [Hz].
+    units: str | None = None  #: Units of the values.
+    saturation: float | None = None  #: Value of full scale; a camera of 14 bits in 16 saturates at 16383.
 
     @classmethod
     def beside(cls, path: Path) -> RawLayout:

@@ -97,10 +97,9 @@ class PictureFile(ValueFacts):
     """Frames of one file as stored, and facts about their values."""
 
     path: Path  #: The file.
-    #: ``frames``, ``rows``, ``columns``: Size.
-    frames: int
-    rows: int
-    columns: int
+    frames: int  #: Number of frames.
+    rows: int  #: Rows of a frame.
+    columns: int  #: Columns of a frame.
     dtype: np.dtype[Any]  #: Type of the stored numbers.
     #: ``(start, stop) -> stored numbers``, shape (stop - start, rows, columns), with a further axis of channels for colours.
     read: Callable[[int, int], NDArray[Any]]

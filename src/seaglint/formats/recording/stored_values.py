@@ -115,12 +115,10 @@ class Decoding:
     """
 
     missing: tuple[float, ...] = ()  #: Stored numbers without a value.
-    #: ``low``, ``high``: Valid range of the stored numbers.
-    low: float | None = None
-    high: float | None = None
-    #: ``scale``, ``offset``: Line of the values.
-    scale: float = 1.0
-    offset: float = 0.0
+    low: float | None = None  #: Lowest valid stored number.
+    high: float | None = None  #: Highest valid stored number.
+    scale: float = 1.0  #: Slope of the line of the values.
+    offset: float = 0.0  #: Value of the number 0.
     white: float | None = None  #: Largest number of a picture whose white is zero.
     unsigned: np.dtype[Any] | None = None  #: Type of the numbers where the file's own type has the wrong sign.
 

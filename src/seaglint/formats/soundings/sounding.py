@@ -220,13 +220,11 @@ def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: da
 class Sounding:
     """Sounding from the sea up, after all checks."""
 
-    #: ``path``, ``kind``: File and format.
-    path: str
-    kind: str
-    #: ``height``, ``pressure``, ``temperature``: Ascending levels from the sea: [m], [hPa], [K]; (levels,).
-    height: FloatArray
-    pressure: FloatArray
-    temperature: FloatArray
+    path: str  #: Path of the file.
+    kind: str  #: Format of the file.
+    height: FloatArray  #: Heights of the levels, ascending from the sea [m, (levels,)].
+    pressure: FloatArray  #: Pressure [hPa, (levels,)].
+    temperature: FloatArray  #: Temperature [K, (levels,)].
     #: Relative humidity over water [%, (levels,)]; NaN above its highest value, where a model atmosphere continues it.
     relative_humidity: FloatArray
     notes: tuple[str, ...]  #: Sentences on levels that were chosen, left out, reordered, filled or continued.

@@ -153,10 +153,9 @@ class RawSounding:
     """Rows of a file."""
 
     kind: str  #: Name of the format.
-    #: ``pressure``, ``height``, ``temperature``: [hPa], [m], [K]; NaN where missing.
-    pressure: FloatArray
-    height: FloatArray
-    temperature: FloatArray
+    pressure: FloatArray  #: Pressure [hPa, (levels,)]; NaN where missing.
+    height: FloatArray  #: Height [m, (levels,)]; NaN where missing.
+    temperature: FloatArray  #: Temperature [K, (levels,)]; NaN where missing.
     #: Quantity of ``humidity_value``: dew point [K], relative humidity [%], mixing ratio [g kg-1], or specific humidity [kg kg-1].
     humidity: Humidity
     humidity_value: FloatArray  #: Its values, NaN where missing.

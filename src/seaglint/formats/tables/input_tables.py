@@ -35,9 +35,8 @@ class Column:
     """Column of numbers that a file of cases must have."""
 
     name: str  #: Its heading, unit included.
-    #: ``low``, ``high``: Closed range allowed.
-    low: float
-    high: float
+    low: float  #: Lowest value allowed.
+    high: float  #: Highest value allowed.
     above: bool = False  #: Flag: ``low`` itself is refused.
     what: str = ""  #: Owner of the range, for messages: "of the table".
 
@@ -55,9 +54,8 @@ class Column:
 class Cases(TextTable):
     """Rows of a CSV file, as text; each row is a case."""
 
-    #: ``separator``, ``line_end``: Separator and line end of the file, used again for the output.
-    separator: str = ","
-    line_end: str = "\n"
+    separator: str = ","  #: Separator of the file, used again for the output.
+    line_end: str = "\n"  #: Line end of the file, used again for the output.
 
     def require(self, names: Sequence[str]) -> None:
         """Refuse a file that lacks any of these columns."""

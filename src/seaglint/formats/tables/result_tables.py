@@ -20,11 +20,10 @@ from seaglint.store.outputs import refuse_existing, write_json
 class DetectionFiles:
     """Names of the files, checked before the work."""
 
-    #: ``result``, ``table``, ``characteristic``, ``picture``: JSON, a row a contrast, operating characteristic, its picture.
-    result: Path
-    table: Path
-    characteristic: Path
-    picture: Path
+    result: Path  #: Whole result, JSON.
+    table: Path  #: Table, a row a contrast.
+    characteristic: Path  #: Table of the operating characteristic.
+    picture: Path  #: Picture of the operating characteristic.
     overwrite: bool
 
     @classmethod

@@ -73,7 +73,7 @@ class MeasuredLight:
 
     name: str  #: File, or words for what is no file.
     wavenumber_cm: FloatArray  #: Ascending samples [cm-1, (n,)].
-    radiance: FloatArray  #: [W m-2 sr-1 per cm-1, (n,)].
+    radiance: FloatArray  #: Radiance [W m-2 sr-1 per cm-1, (n,)].
     unit: str  #: Column that it was read from.
     resolution_cm: float | None  #: Full width at half maximum that the file states [cm-1]; None where it states none.
 
@@ -174,9 +174,8 @@ def _spectrum(name: str, place: str, unit: str, where: FloatArray, values: Float
 class SpectraBeside(NamedTuple):
     """Measured spectrum with ours beside it, by name."""
 
-    #: ``title``, ``label``: Scene, and quantity with its unit.
-    title: str
-    label: str
+    title: str  #: Scene.
+    label: str  #: Quantity with its unit.
     wavenumber_cm: FloatArray  #: Samples [cm-1, (n,)], ascending; a gap wider than 20 cm-1 separates parts.
     measured: FloatArray  #: Measured quantity [(n,)].
     ours: dict[str, FloatArray]  #: Computed quantity by name [(n,)].

@@ -26,7 +26,7 @@ from seaglint.sea.spectra.measured import MeasuredSpectrum, possible_moments
 from seaglint.store.netcdf import drop_quietly, open_netcdf
 from seaglint.store.outputs import reason_of
 
-Parsed = TypeVar("Parsed")  #: What a parser returns.
+_Parsed = TypeVar("_Parsed")
 
 ComplexArray = NDArray[np.complex128]
 
@@ -46,15 +46,13 @@ class WaveChoice:
     """Requested time and place, and directions for a file that lacks them."""
 
     time: str | datetime | np.datetime64 | None = None  #: Requested time, UTC without a zone; None where the file has one record.
-    #: ``latitude_deg``, ``longitude_deg``: Requested place, both or none [deg].
-    latitude_deg: float | None = None
-    longitude_deg: float | None = None
+    latitude_deg: float | None = None  #: Latitude of the requested place [deg]; both or none.
+    longitude_deg: float | None = None  #: Longitude of the requested place [deg].
     site: str | None = None  #: Name of a site, as the file calls it, or its number from 1.
     time_tolerance: float = 3600.0  #: Largest difference of the record from the requested time [s].
     distance_tolerance_km: float = 50.0  #: Largest distance of the record from the requested place [km].
-    #: ``from_deg``, ``spreading_deg``: Mean direction FROM and circular width, for files that have energy over frequency alone [deg].
-    from_deg: float | None = None
-    spreading_deg: float | None = None
+    from_deg: float | None = None  #: Mean direction FROM, for files that have energy over frequency alone [deg].
+    spreading_deg: float | None = None  #: Circular width, for the same files [deg].
 
     def require_time(self, what: str) -> np.datetime64:
         """Return the requested time, where a file can only be read with one."""
@@ -265,9 +263,8 @@ class WaveRecords:
     bands: Callable[[int, int], Bands]  #: ``bands(time, site)`` by index.
     times: NDArray[np.datetime64] | None = None  #: Time of every record, UTC; None where the file has none.
     sites: tuple[str, ...] = ("1",)  #: Names of the sites.
-    #: ``latitude_deg``, ``longitude_deg``: Place of every record and site [deg, (times, sites)]; None without a place in the file.
-    latitude_deg: FloatArray | None = None
-    longitude_deg: FloatArray | None = None
+    latitude_deg: FloatArray | None = None  #: Latitude of every record and site [deg, (times, sites)]; None without a place in the file.
+    longitude_deg: FloatArray | None = None  #: Longitude of every record and site [deg, (times, sites)]; None likewise.
     note: str | None = field(default=None, kw_only=True)  #: Sentence on the record that the user should know.
 
 
@@ -283,7 +280,7 @@ def reader(name: str) -> Callable[..., Any]:
     return function
 
 
-def parsed(path: Path, kind: str, parse: Callable[[], Parsed]) -> Parsed:
+def parsed(path: Path, kind: str, parse: Callable[[], _Parsed]) -> _Parsed:
     """Return the result of a parser; its exceptions, which are of any type, become an error of one line.
 
     Warnings of libraries about future changes of other libraries are not shown.

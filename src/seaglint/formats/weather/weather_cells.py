@@ -86,9 +86,9 @@ class WeatherSource:
 
     path: Path  #: The file.
     kind: str  #: Its format in words.
-    columns: Mapping[str, FloatArray]  #: Numbers, in the names and units of a weather table.
+    columns: Mapping[str, FloatArray]  #: Numbers, in the names and units of a weather table [each (rows,)].
     read: int  #: Records that the file holds.
-    texts: Mapping[str, TextArray] = field(default_factory=dict)  #: Columns of text.
+    texts: Mapping[str, TextArray] = field(default_factory=dict)  #: Columns of text [each (rows,)].
     left_out: Mapping[str, int] = field(default_factory=dict)  #: Records that gave no row, by reason.
     set_missing: Mapping[str, int] = field(default_factory=dict)  #: Values that were there and could not be used, by column and reason.
     notes: tuple[str, ...] = ()  #: Sentences on what was assumed.

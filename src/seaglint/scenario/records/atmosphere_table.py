@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from seaglint.base.limits import NAVY_AEROSOL_WIND
-from seaglint.scenario.records.record import InputFile, Quantity, Record, about, default_tag, rule
+from seaglint.scenario.records.quantities import InputFile, Quantity, Record, about, default_tag, rule
 
 ModelAtmosphere = Literal[
     "tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "us-standard-1976"

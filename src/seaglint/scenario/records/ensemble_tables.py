@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field, StrictFloat, StrictInt, StrictStr, model_validator
 
 from seaglint.base.errors import ScenarioError
-from seaglint.scenario.records.record import InputPath, Quantity, Record, about, convert, rule
+from seaglint.scenario.records.quantities import InputPath, Quantity, Record, about, convert, rule
 
 Number = StrictInt | StrictFloat | StrictStr  #: A number in the unit of its key, or text with another unit.
 

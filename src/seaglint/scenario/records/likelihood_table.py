@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import StrictBool, field_validator, model_validator
 
-from seaglint.scenario.records.record import Azimuth, InputFile, Latitude, Quantity, Record, about, rule
+from seaglint.scenario.records.quantities import Azimuth, InputFile, Latitude, Quantity, Record, about, rule
 
 Case = Literal["single-look", "trajectory", "field-of-view"]
 

@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, StrictBool, model_validator
 
 from seaglint.scenario.presets import OBJECTS
-from seaglint.scenario.records.record import InputFile, Latitude, Longitude, Quantity, Record, about, rule
-from seaglint.scenario.records.view_tables import PlaceMetres, TimedPlace
+from seaglint.scenario.records.quantities import InputFile, Latitude, Longitude, Quantity, Record, about, rule
+from seaglint.scenario.records.small_tables import PlaceMetres, TimedPlace
 
 _Length = Annotated[float, Quantity("m", gt=0, le=2000)]
 _ShapePlace = Annotated[float, Quantity("m", ge=-5000, le=5000)]

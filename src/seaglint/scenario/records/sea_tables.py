@@ -11,7 +11,7 @@ from pydantic import Field, StrictBool, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from seaglint.base.limits import BREON_HENRIOT_WIND, COX_MUNK_SLICK_WIND, COX_MUNK_WIND, WIND_PROFILE
-from seaglint.scenario.records.record import Azimuth, InputFile, Latitude, Longitude, Quantity, Record, Utc, about, default_tag
+from seaglint.scenario.records.quantities import Azimuth, InputFile, Latitude, Longitude, Quantity, Record, Utc, about, default_tag
 
 
 class Wind(Record):

@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, StrictBool, TypeAdapter, Validation
 
 from seaglint.base.limits import SHAKEN, SMEARED, TOP_OF_AIR, WIDEST_PINHOLE_DEG
 from seaglint.base.reports import REPORTS
-from seaglint.scenario.records.record import Azimuth, InputFile, Quantity, Record, about, default_tag, rule
+from seaglint.scenario.records.quantities import Azimuth, InputFile, Quantity, Record, about, default_tag, rule
 
 _Exposure = Annotated[float, Quantity("s", gt=0, le=1e4)]
 _FNumber = Annotated[float, Quantity(ge=0.5, le=200)]

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.climate.weather_columns import SHARE_UNITS, SHARES, TARGETS, UNITS, MappedColumn, west_east
-from seaglint.scenario.records.record import convert
+from seaglint.scenario.records.quantities import convert
 
 MOST_VALUES: Final = 100_000  #: Values of one key at most.
 

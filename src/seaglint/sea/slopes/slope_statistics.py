@@ -46,13 +46,11 @@ class SlopeStatistics:
     mss_up: float  #: Mean square slope along the wind [1].
     mss_cross: float  #: Mean square slope across the wind [1].
     wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO, clockwise from north [rad]; any value for an isotropic sea.
-    #: ``c21``, ``c03``: Skewness coefficients of :meth:`density` [1]; negative where lee faces are the steeper ones.
-    c21: float = 0.0
-    c03: float = 0.0
-    #: ``c40``, ``c22``, ``c04``: Peakedness coefficients: crosswind, mixed, upwind [1].
-    c40: float = 0.0
-    c22: float = 0.0
-    c04: float = 0.0
+    c21: float = 0.0  #: Mixed skewness coefficient of :meth:`density` [1]; negative where lee faces are the steeper ones.
+    c03: float = 0.0  #: Upwind skewness coefficient [1], sign as ``c21``.
+    c40: float = 0.0  #: Crosswind peakedness coefficient [1].
+    c22: float = 0.0  #: Mixed peakedness coefficient [1].
+    c04: float = 0.0  #: Upwind peakedness coefficient [1].
     #: Wavenumbers [rad/m], and covariances of the slopes of all longer waves, up, cross and both [1], from none to all waves; see
     #: :meth:`growth`.
     nesting: tuple[tuple[float, float, float, float], ...] = ()

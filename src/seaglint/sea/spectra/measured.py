@@ -47,9 +47,8 @@ class MeasuredSpectrum(DirectionalSpectrum):
 
     frequency_hz: FloatArray  #: Ascending frequencies [Hz, (m,)].
     energy: FloatArray  #: Height variance per hertz, E(f) [m² Hz⁻¹, (m,)].
-    #: ``first``, ``second``: ``int D exp(i phi) dphi`` and ``int D exp(2 i phi) dphi``, phi the azimuth waves travel TO [1, (m,)].
-    first: ComplexArray
-    second: ComplexArray
+    first: ComplexArray  #: ``int D exp(i phi) dphi``, phi the azimuth waves travel TO [1, (m,)].
+    second: ComplexArray  #: ``int D exp(2 i phi) dphi`` [1, (m,)].
     wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to distinguish upwind from crosswind.
 
     def __post_init__(self) -> None:

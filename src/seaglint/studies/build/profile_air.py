@@ -36,7 +36,7 @@ from seaglint.formats.tables.input_tables import read_track
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as requested_air
-from seaglint.scenario.records.view_tables import TABLE_BANDS_TEXT
+from seaglint.scenario.records.small_tables import TABLE_BANDS_TEXT
 
 AirWithSounding = requested_air.LowtranAtmosphere | requested_air.LowtranFortranAtmosphere  #: Tables of air that may have a sounding.
 ComputedAir = requested_air.TableAtmosphereSettings | requested_air.LowtranAtmosphere  #: Tables of air whose absorption is summed here.

@@ -40,7 +40,7 @@ from seaglint.scenario.records import atmosphere_table as requested_air
 from seaglint.scenario.records import sea_tables as requested_sea
 from seaglint.scenario.records.object_tables import Object
 from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
-from seaglint.scenario.records.view_tables import Platform
+from seaglint.scenario.records.small_tables import Platform
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat

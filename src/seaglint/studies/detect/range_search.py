@@ -29,7 +29,7 @@ from seaglint.detection.sources import FrameSource, Rescaled
 from seaglint.scenario.changed_scenario import middle_of
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
-from seaglint.store.detection_results import DetectionRange, Parts, RangePoint, TriedDetector
+from seaglint.store.detection_results import DetectionRange, RangePoint, StudyParts, TriedDetector
 from seaglint.studies.detect.designer import SMALLEST, Design, best_of, choice_line, rate_threshold, tried_detectors
 from seaglint.studies.detect.injected import ObjectSignal, item_of, object_signal
 from seaglint.studies.detect.near_object import AROUND, Background, NearRows, background_of, half_height, less_row_means, rows_to_horizon
@@ -207,7 +207,7 @@ class _Placed:
     frames: str  #: Name of the stored frames.
 
 
-def _placed(whole: Scenario, request: RangeRequest, parts: Parts, in_view: float = 0.0) -> _Placed:
+def _placed(whole: Scenario, request: RangeRequest, parts: StudyParts, in_view: float = 0.0) -> _Placed:
     """Draw the object of a request, and the seas about it unless they are stored.
 
     Raises
@@ -249,7 +249,7 @@ def _key(kind: str, whole: Scenario, *settings: object) -> str:
     return f"{kind}-{hashlib.sha256(pickle.dumps(content, protocol=5)).hexdigest()[:16]}"
 
 
-def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: float | None, parts: Parts) -> RangePoint:
+def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: float | None, parts: StudyParts) -> RangePoint:
     """Return P_d of the object at one range, at the threshold of the requested rate; 0 with a note where nothing of it is visible.
 
     Resolved waves hide some of the object. As many seas as there are frames give its visible share, and P_d is the mean over these seas of
@@ -293,7 +293,7 @@ def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: f
 
 
 def tried_at(
-    scenario: Scenario, request: RangeRequest, range_m: float, bearing: float | None, parts: Parts, names: Sequence[str] = TRIED
+    scenario: Scenario, request: RangeRequest, range_m: float, bearing: float | None, parts: StudyParts, names: Sequence[str] = TRIED
 ) -> list[TriedDetector]:
     """Return the margins of contrast of some detectors at one range; the frames stay stored for its P_d.
 
@@ -395,7 +395,7 @@ class DetectorChoice:
 
 
 def choose(
-    scenario: Scenario, request: RangeRequest, estimate: float, bearing: float | None, parts: Parts, report: Callable[[str], None]
+    scenario: Scenario, request: RangeRequest, estimate: float, bearing: float | None, parts: StudyParts, report: Callable[[str], None]
 ) -> DetectorChoice:
     """Choose a detector by its margin of contrast at an estimate of the range.
 
@@ -431,7 +431,7 @@ def choose(
 def detection_range(
     scenario: Scenario,
     request: RangeRequest,
-    parts: Parts,
+    parts: StudyParts,
     *,
     bearing_deg: float | None = None,
     report: Callable[[str], None] = lambda text: None,

@@ -19,7 +19,7 @@ from seaglint.base.free_form import TomlTables
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.detection.background import Background, count_false_alarms
 from seaglint.scenario.text.option_texts import parse_vary
-from seaglint.store.detection_results import DetectionCase, Judged
+from seaglint.store.detection_results import DetectionCase, DetectorResult
 from seaglint.studies.detect.injected import SWEEP
 from seaglint.studies.detect.performance import (
     DetectionOptions,
@@ -152,7 +152,7 @@ def run_recording(
     return Study(cases, None, unfinished=False)
 
 
-def judged_of(performance: Performance, source: Recording) -> Judged:
+def judged_of(performance: Performance, source: Recording) -> DetectorResult:
     """Return the results on a recording in the form in which :func:`seaglint.studies.detect.rendered_seas.run_scene` returns them."""
     result = performance.as_dict() | {"units": source.units, "frame_rate_hz": source.frame_rate}
     result["cases"] = [
@@ -162,7 +162,9 @@ def judged_of(performance: Performance, source: Recording) -> Judged:
     rows = performance.rows()
     rows_px, columns_px = (np.arange(n, dtype=np.float64) for n in performance.size[1:])
     alarms = false_alarm_map(performance, *np.meshgrid(columns_px, rows_px))
-    return Judged(result, rows, characteristic(performance, [row["contrast"] for row in rows]), alarms, chips(performance, source), None)
+    return DetectorResult(
+        result, rows, characteristic(performance, [row["contrast"] for row in rows]), alarms, chips(performance, source), None
+    )
 
 
 def _shown(progress: Progress | None, number: int, cases: int) -> Progress | None:

@@ -18,7 +18,7 @@ from seaglint.detection.named_detectors import named_for
 from seaglint.detection.sources import Rescaled
 from seaglint.detection.spot import GaussianSpot, SpotShape
 from seaglint.scenario.model import Scenario
-from seaglint.store.detection_results import Judged, Parts
+from seaglint.store.detection_results import DetectorResult, StudyParts
 from seaglint.studies.detect.designer import design
 from seaglint.studies.detect.injected import SWEEP, Strength, object_signal, point_shape
 from seaglint.studies.detect.performance import Performance, characteristic, chips, detect, false_alarm_map
@@ -76,13 +76,13 @@ def injected(scenario: Scenario, request: SceneRequest, seas: IndependentSeas) -
 def run_scene(
     scenario: Scenario,
     request: SceneRequest,
-    parts: Parts,
+    parts: StudyParts,
     *,
     clock: Clock | None = None,
     name: str = "scene",
     progress: Progress | None = None,
     workers: Workers | None = None,
-) -> Judged:
+) -> DetectorResult:
     """Evaluate a detector in one scene, of which ``workers`` render the seas.
 
     Raises
@@ -145,7 +145,7 @@ def run_scene(
         for row in rows:
             row |= {f"design_{key}": result["design"].get(key) for key in ("contrast", "loss_db", "p_fa", "p_d")}
     alarms = false_alarm_map(performance, *seas.directions)
-    return Judged(result, rows, characteristic(performance, strength.values), alarms, chips(performance, judged), reason)
+    return DetectorResult(result, rows, characteristic(performance, strength.values), alarms, chips(performance, judged), reason)
 
 
 def _stopped(performance: Performance, request: SceneRequest, seas: int, clock: Clock) -> tuple[Reason | None, str]:

@@ -18,7 +18,7 @@ from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.representation import card, notes, table
 from seaglint.cluster import Workers
 from seaglint.clutter.filters import named as named_filter
-from seaglint.store.detection_results import DetectionCase, DetectionRange, Parts
+from seaglint.store.detection_results import DetectionCase, DetectionRange, StudyParts
 from seaglint.studies.detect.detection_requests import CasesRequest, RangeRequest, SceneRequest
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import detection_range
@@ -115,7 +115,7 @@ def case_key(case: StudyCase, request: CasesRequest) -> str:
 def run_study(
     cases: Sequence[StudyCase],
     request: SceneRequest,
-    parts: Parts,
+    parts: StudyParts,
     *,
     progress: Progress | None = None,
     report: Callable[[str], None] = lambda text: None,
@@ -129,7 +129,7 @@ def run_study(
         Scenarios.
     request : SceneRequest
         Detector, objects, precision, and the time for all cases, which the remaining ones share evenly.
-    parts : Parts
+    parts : StudyParts
         Store of frames and finished cases.
     progress : callable, optional
         Called with (seas done, seas at most, over all cases).
@@ -202,7 +202,7 @@ def _line(number: int, cases: int, case: DetectionCase) -> str:
 
 
 def ranges_of(
-    cases: Sequence[StudyCase], request: RangeRequest, parts: Parts, *, report: Callable[[str], None] = lambda text: None
+    cases: Sequence[StudyCase], request: RangeRequest, parts: StudyParts, *, report: Callable[[str], None] = lambda text: None
 ) -> list[DetectionRange]:
     """Return the range of an object in every case, at every bearing.
 
@@ -212,7 +212,7 @@ def ranges_of(
         Scenarios of one object.
     request : RangeRequest
         Object, bearings, detector and limits.
-    parts : Parts
+    parts : StudyParts
         Store of frames and of P_d at each range.
     report : callable
         Called with lines on the progress.

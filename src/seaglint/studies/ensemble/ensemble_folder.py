@@ -77,7 +77,7 @@ class Folder:
         Raises
         ------
         DataError
-            The folder is that of another ensemble; the error has the keys that differ.
+            The folder belongs to another ensemble; the error has the keys that differ.
         StorageError
             No room or no rights.
         """

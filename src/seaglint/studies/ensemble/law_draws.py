@@ -27,7 +27,7 @@ from seaglint.scenario.ensemble_file import COUNT, Ensemble, Template, law_of
 from seaglint.scenario.keys import quantity_of
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.ensemble_tables import Choice, LogUniform, Normal, Uniform, Weather, in_unit, value_of
-from seaglint.scenario.records.record import Quantity
+from seaglint.scenario.records.quantities import Quantity
 from seaglint.scenario.text.toml_writing import document
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence

@@ -28,7 +28,7 @@ from seaglint.scenario.changed_scenario import set_key
 from seaglint.scenario.keys import Key, named_key
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.record import convert
+from seaglint.scenario.records.quantities import convert
 from seaglint.scenario.text.toml_writing import differing
 
 NAME: Final = "sweep"  #: Name of the scenario in messages about a single key.

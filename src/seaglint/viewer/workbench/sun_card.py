@@ -189,7 +189,7 @@ class Daylight:
 
     async def _follow(self, moment: datetime) -> None:
         """Compute the day again if date or place have changed, and draw it."""
-        from seaglint.scenario.records.view_tables import Place
+        from seaglint.scenario.records.small_tables import Place
 
         place = Place.model_validate(self._draft.get(("place",)))
         requested = (moment.date(), place.latitude_deg, place.longitude_deg)

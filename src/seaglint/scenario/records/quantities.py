@@ -1,4 +1,4 @@
-"""Base of all tables of a scenario file: the frozen record, and its numbers, times and paths.
+"""Quantities with units, times and paths in scenario files, and the frozen record on which all tables are based.
 
 A number is plain in the unit of its key, or text with a unit ("12 kn", "30 ft", "15 degC"). A validated scenario holds plain numbers in
 the unit that each key names; no other module handles texts with units.

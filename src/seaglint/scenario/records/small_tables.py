@@ -12,7 +12,7 @@ from pydantic import StrictBool, model_validator
 
 from seaglint.base.limits import TABLE_BANDS_UM
 from seaglint.base.schema import Layer
-from seaglint.scenario.records.record import Azimuth, InputFile, Latitude, Longitude, Quantity, Record, Utc, about, rule
+from seaglint.scenario.records.quantities import Azimuth, InputFile, Latitude, Longitude, Quantity, Record, Utc, about, rule
 from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
 
 
