@@ -10,9 +10,9 @@ from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.profile_scattering import scattering_air
 from seaglint.air.protocol import wavenumber_grid
-from seaglint.air.scattering.gas_bands import GasBands, optical_depths
+from seaglint.air.scattering.gas_bands import GasBands
 from seaglint.air.scattering.lowtran_ray import MOLECULES, WORK_ROWS, trace
-from seaglint.air.scattering.scattered_line import KINDS, _empty_line, local_zenith, sun_seen
+from seaglint.air.scattering.scattered_line import KINDS, _empty_line, local_zenith, optical_depths, sun_seen
 from seaglint.air.scattering.scattering_laws import SpectralLaws, scattering_angle
 from seaglint.formats.lowtran.deck import MODELS
 

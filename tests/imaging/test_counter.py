@@ -4,7 +4,18 @@ import numpy as np
 import pytest
 from scipy.special import ndtri
 
-from seaglint.base.random import LOOK_BACK, SLOTS, SPACING, bits, cell_key, gamma_deviate, highest_bit, last_event, mixed, normal_quantile
+from seaglint.base.keyed_random import (
+    LOOK_BACK,
+    SLOTS,
+    SPACING,
+    bits,
+    cell_key,
+    gamma_deviate,
+    highest_bit,
+    last_event,
+    mixed,
+    normal_quantile,
+)
 
 pytestmark = pytest.mark.kernel
 

@@ -16,7 +16,7 @@ from scipy import stats
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import njit
-from seaglint.base.random import SPACING, cell_key, gamma_deviate, last_event, uniform
+from seaglint.base.keyed_random import SPACING, cell_key, gamma_deviate, last_event, uniform
 from seaglint.facet.sunlight import sunlight
 from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.layers import FEWEST, SPREAD

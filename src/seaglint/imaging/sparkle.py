@@ -30,7 +30,8 @@ import numpy as np
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import horizon_depression, horizon_range, surface_range
 from seaglint.base.jit import kernel, njit
-from seaglint.base.random import cell_key, gamma_deviate, last_event, stream
+from seaglint.base.keyed_random import cell_key, gamma_deviate, last_event
+from seaglint.base.random import stream
 from seaglint.facet.glint import glint
 from seaglint.facet.roughness import Sight
 from seaglint.facet.sea_view import SeaView

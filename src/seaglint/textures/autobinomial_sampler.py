@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel, njit, njit_parallel
+from seaglint.base.keyed_random import WORD, bits, cell_key, uniform
 from seaglint.base.optional import optional
-from seaglint.base.random import WORD, bits, cell_key, stream, uniform
+from seaglint.base.random import stream
 from seaglint.textures.autobinomial import Autobinomial, IntArray, check_shape, checked_field, colours
 
 PRECISION = 56  #: Number of bits of a probability that are used: the 53 of a double, and a multiple of :data:`UNROLLED`.

@@ -1,4 +1,4 @@
-"""Absorption bands of gases as ranges of channels with one law each, ``depth = (C W)**a``, and the optical depth of all absorbers.
+"""Absorption bands of gases as ranges of channels with one law each, ``depth = (C W)**a``.
 
 Optical depth in a channel is ``sum_k c_k W_k`` over continua and aerosols plus ``sum_b (C_b W_b)^a_b`` over absorption bands with lines
 that saturate: the transmittance of a bent path Sun - point - sensor follows from its whole amount, not from a product of two
@@ -11,7 +11,6 @@ LOWTRAN7's subroutines DBLTX and TRANS; Kneizys, F. X., et al. (1988), Users Gui
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -19,9 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.air.scattering.lowtran_ray import Laws
 from seaglint.base.conventions import FloatArray
-from seaglint.base.jit import njit
 
 #: Optical depth beyond which nothing passes. Products of still smaller transmittances would be denormal numbers, which are slow.
 DEEPEST: Final = 600.0
@@ -54,7 +51,7 @@ class GasBands:
     """Bands of all gases on some channels, gas by gas. Make them with :meth:`of`."""
 
     numbers: list[int]  #: Numbers of the scaled amounts, among which the bands' columns count from 0.
-    bands: tuple[GasBand, ...]  #: tuple of GasBand.
+    bands: tuple[GasBand, ...]  #: Bands, gas by gas.
 
     @classmethod
     def of(cls, column: NDArray[np.int64], power: FloatArray, log_coefficient: FloatArray) -> GasBands:
@@ -81,33 +78,3 @@ class GasBands:
     def cut(self, first: int, end: int) -> GasBands:
         """Return the bands on consecutive channels; their columns stay."""
         return GasBands(self.numbers, tuple(cut_band for cut_band in (band.cut(first, end) for band in self.bands) if cut_band is not None))
-
-
-@njit
-def optical_depths(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
-    """Optical depth [1, (n,)] of amounts [(columns,)]."""
-    channels = out.size
-    for i in range(channels):
-        out[i] = 0.0
-    for k in range(laws.linear.shape[0]):
-        w = amount[k]
-        if w != 0.0:  # the amount that counts as cold is below 0 in warm air
-            for i in range(channels):
-                out[i] += w * laws.linear[k, i]
-    # the coefficients of all segments follow each other in one array; ``at`` is the first of segment s
-    at = 0
-    for s in range(laws.segments.shape[0]):
-        column, first, end = laws.segments[s]
-        w = amount[column]
-        if w > 1e-20:
-            saturated = w ** laws.power[s]
-            band, coefficient = out[first:end], laws.coefficient[at : at + end - first]
-            for i in range(band.size):
-                band[i] += saturated * coefficient[i]
-        at += end - first
-
-
-@njit
-def passed(depth: float) -> float:
-    """Transmittance of an optical depth; 0 beyond :data:`~seaglint.air.scattering.gas_bands.DEEPEST`."""
-    return math.exp(-depth) if depth < DEEPEST else 0.0

@@ -23,7 +23,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from seaglint.air.scattering.gas_bands import optical_depths, passed
+from seaglint.air.scattering.gas_bands import DEEPEST
 from seaglint.air.scattering.lowtran_ray import (
     AEROSOLS,
     MOLECULES,
@@ -61,6 +61,36 @@ class SunwardTable(NamedTuple):
 
 
 NO_SUNS: Final = SunwardTable(np.zeros(0), 0.0, 0.0, np.zeros((0, 1, 1)))  #: Table without heights: every amount is summed separately.
+
+
+@njit
+def optical_depths(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
+    """Optical depth [1, (n,)] of amounts [(columns,)]."""
+    channels = out.size
+    for i in range(channels):
+        out[i] = 0.0
+    for k in range(laws.linear.shape[0]):
+        w = amount[k]
+        if w != 0.0:  # the amount that counts as cold is below 0 in warm air
+            for i in range(channels):
+                out[i] += w * laws.linear[k, i]
+    # the coefficients of all segments follow each other in one array; ``at`` is the first of segment s
+    at = 0
+    for s in range(laws.segments.shape[0]):
+        column, first, end = laws.segments[s]
+        w = amount[column]
+        if w > 1e-20:
+            saturated = w ** laws.power[s]
+            band, coefficient = out[first:end], laws.coefficient[at : at + end - first]
+            for i in range(band.size):
+                band[i] += saturated * coefficient[i]
+        at += end - first
+
+
+@njit
+def passed(depth: float) -> float:
+    """Transmittance of an optical depth; 0 beyond :data:`~seaglint.air.scattering.gas_bands.DEEPEST`."""
+    return math.exp(-depth) if depth < DEEPEST else 0.0
 
 
 @njit
