@@ -25,7 +25,7 @@ from seaglint.cluster import ThisProcess
 from seaglint.formats import export as export_formats
 from seaglint.formats.recording import open_recording
 from seaglint.optics.band import Band
-from seaglint.plot.video import VIDEO_ENDINGS
+from seaglint.plot.video_formats import VIDEO_ENDINGS
 from seaglint.studies.detect.detection_requests import DesignRequest, RecordingRequest, SceneRequest
 from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
 from seaglint.studies.mean.mean_map import mean as pipeline_mean

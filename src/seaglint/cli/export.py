@@ -22,14 +22,14 @@ from seaglint.studies.study_requests import ExportRequest
 def _endings() -> str:
     """Return the endings of all files that can be written, with remarks; second endings of a format's files are left out."""
     from seaglint.formats.export import FORMATS
-    from seaglint.plot.video import VIDEO_ENDINGS
+    from seaglint.plot.video_formats import VIDEO_ENDINGS
 
     numbers = (f"{ending} ({form.note})" if form.note else ending for form in FORMATS for ending in form.endings)
     return listed((*numbers, *VIDEO_ENDINGS))
 
 
 def _videos() -> str:
-    from seaglint.plot.video import VIDEO_ENDINGS
+    from seaglint.plot.video_formats import VIDEO_ENDINGS
 
     return listed(VIDEO_ENDINGS, "and")
 

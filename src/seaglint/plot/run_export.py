@@ -24,7 +24,7 @@ from seaglint.formats.export.stack import Kind as NumberKind
 from seaglint.formats.recording.arrays import TYPES
 from seaglint.plot import video
 from seaglint.plot.scale import Kind as ScaleKind
-from seaglint.plot.video import VIDEO_ENDINGS, video_format
+from seaglint.plot.video_formats import VIDEO_ENDINGS, video_format
 from seaglint.store.outputs import moved_when_whole, refuse_existing
 
 if TYPE_CHECKING:

@@ -5,8 +5,6 @@ Each ending has a codec and the frame rates that it can store.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
@@ -21,42 +19,13 @@ from seaglint.base.optional import missing
 from seaglint.base.schema import VARIABLES
 from seaglint.formats.recording.labelled_arrays import stored_frame_rate
 from seaglint.plot.scale import Kind, scale_of
+from seaglint.plot.video_formats import video_format
 from seaglint.store.outputs import moved_when_whole
 from seaglint.store.provenance import stored_band
 from seaglint.store.stored_images import Images, below_horizon, images, pictures, to_temperature
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-@dataclass(frozen=True)
-class VideoFormat:
-    """Format of a video: ending, codec, pixels and frame rates."""
-
-    ending: str  #: Ending of the files; without the dot it is the format's name in PyAV.
-    codec: str  #: Codec of PyAV.
-    pixels: str  #: Type of pixels of PyAV.
-    rates: tuple[float, float]  #: Least and greatest number of frames per second [Hz].
-    options: Mapping[str, str] = field(default_factory=dict)  #: Options of the codec.
-
-
-#: All formats of videos, from which help texts, lists in errors and the choice of a codec are derived.
-VIDEOS: Final = (
-    VideoFormat(".mp4", "libx264", "yuv420p", (0.01, 1000.0), {"crf": "18", "preset": "veryfast"}),
-    # players show GIFs of shorter delays than 20 ms at a tenth of their speed
-    VideoFormat(".gif", "gif", "pal8", (0.01, 50.0)),
-)
-
-VIDEO_ENDINGS: Final = tuple(form.ending for form in VIDEOS)
-
-
-def video_format(ending: str) -> VideoFormat:
-    """Return the format of an ending, which one of the formats has.
-
-    >>> video_format(".gif").codec
-    'gif'
-    """
-    return next(form for form in VIDEOS if form.ending == ending)
 
 
 _SHOWN_WIDTH: Final = 1024  # small images are enlarged to about this, by whole factors, so that pixels stay pixels

@@ -24,7 +24,6 @@ from seaglint.formats.dataset.grey_pictures import Bits, box_of, decoded, read_p
 from seaglint.formats.dataset.scene_records import SPLITS, Catalogue, DatasetFormat, DatasetFrame, DatasetObject, DatasetScene, Piece
 from seaglint.formats.tables.table_text import read_rows
 from seaglint.store.outputs import read_json, write_json, write_text
-from seaglint.store.stored_images import pictures
 
 if TYPE_CHECKING:
     from seaglint.formats.dataset.scene_records import Entry
@@ -258,7 +257,9 @@ class Stores(DatasetFormat):
     @classmethod
     def picture(cls, folder: Path, part: DatasetScene, place: int, image: str) -> NDArray[np.generic]:
         """Return a frame of a stored scene (rows, columns)."""
+        # Imported here, as they load Numba, and help pages list the formats of data sets.
         from seaglint.store.sequence_store import open_sequence
+        from seaglint.store.stored_images import pictures
 
         with open_sequence(_store(folder, part.scene)) as dataset:
             return np.asarray(pictures(dataset)[place].to_numpy())

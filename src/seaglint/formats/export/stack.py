@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.base.schema import default_image
-from seaglint.formats.recording.labelled_arrays import stored_frame_rate
 from seaglint.store.netcdf import labelled
 from seaglint.version import __version__
 
@@ -161,6 +160,9 @@ class Stack:
     @property
     def frame_rate(self) -> float | None:
         """Return the frames per second of the chosen frames [Hz]."""
+        # Imported here, as the readers of recordings load Numba, and help pages list the endings of exports.
+        from seaglint.formats.recording.labelled_arrays import stored_frame_rate
+
         return stored_frame_rate(self.dataset, self.images)
 
     def __getitem__(self, position: int) -> NDArray[Any]:
