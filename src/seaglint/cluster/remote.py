@@ -53,12 +53,12 @@ def packed(job: Job[Any, Any, Any]) -> bytes:
 
 def describe() -> tuple[Any, ...] | None:
     """Return the worker's :class:`seaglint.cluster.remote.Machine` as a tuple; None for a worker without the package."""
-    # imported, not read from this module: the function's globals would need the package before it can report that it is missing
+    # The module imports itself: a global of this function would need the package before its absence can be reported.
     try:
-        pass
+        from seaglint.cluster import remote
     except ImportError:
         return None
-    return tuple(this_machine())
+    return tuple(remote.this_machine())
 
 
 describe.__module__ = "__main__"  # not importable: it is sent as a whole, also to workers without the package
