@@ -232,7 +232,8 @@ def effective_count(count: float, *scales: float) -> float:
     float
         At least 1, at most ``count``. For functions of the values that are less correlated than they are, a lower bound.
     """
-    return float(max(count / float(np.prod([max(s, 1.0) for s in scales if np.isfinite(s)])), 1.0)) if count else 0.0
+    product = float(np.prod([max(s, 1.0) for s in scales if np.isfinite(s)]))
+    return float(max(count / product, 1.0)) if count else 0.0
 
 
 def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np.int64]:

@@ -149,7 +149,8 @@ def _local(frames: Frames, mask: NDArray[np.bool_] | None, window: int) -> Frame
         mean = uniform_filter(x, size, mode="constant") / share
         variance = uniform_filter(x * x, size, mode="constant") / share - mean * mean
         # A difference that is rounding only is no variance.
-        good = enough & ~(variance <= 1e-12 * float((x * x).max()))
+        flat = variance <= 1e-12 * float((x * x).max())
+        good = enough & ~flat
         out[k][good] = ((x - mean)[good] / np.sqrt(variance[good])).astype(np.float32)
     return out
 
