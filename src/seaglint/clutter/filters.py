@@ -308,7 +308,8 @@ class MatchedFilter:
             values, vectors = np.linalg.eigh(matrix)
             inverse = 1.0 / np.maximum(values, 1e-6 * c[reach, reach])
             solved = (vectors * inverse) @ (vectors.T @ np.stack([flat, np.ones_like(flat)], 1))
-        h = solved[:, 0] - (solved[:, 0].sum() / solved[:, 1].sum()) * solved[:, 1]
+        level = solved[:, 0].sum() / solved[:, 1].sum()
+        h = solved[:, 0] - level * solved[:, 1]
         return np.asarray((h / (flat @ h)).reshape(s.shape))
 
     @property

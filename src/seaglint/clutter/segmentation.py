@@ -241,7 +241,8 @@ def _corridor(image: FloatArray, deviation: FloatArray | None, valid: BoolArray)
     label, count = ndimage.label(score > threshold)
     if count == 0:
         return np.zeros(image.shape, dtype=bool), separability, 0.0, 1.0, 0.0
-    corridor = np.asarray(ndimage.binary_fill_holes(label == (1 + int(np.argmax(np.bincount(label.ravel())[1:])))), dtype=bool)
+    largest = 1 + int(np.argmax(np.bincount(label.ravel())[1:]))
+    corridor = np.asarray(ndimage.binary_fill_holes(label == largest), dtype=bool)
     inside, outside = corridor & valid, ~corridor & valid
     if not inside.any() or not outside.any():
         return corridor, separability, 0.0, 1.0, 1.0
