@@ -7,13 +7,16 @@ import pytest
 
 from seaglint.base.errors import DomainError
 from seaglint.imaging.camera.imager import Camera
-from seaglint.imaging.scene import Accuracy, Levels
+from seaglint.imaging.scene import AVERAGED_ASIDE, AVERAGED_SHARE, AVERAGED_WIDTH, Accuracy, Levels, averages
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.sea.wave_field import Detail, WaveField
 
 CAMERA = Camera(30.0, 0.0, np.radians(-10.0), np.radians(4.0), np.radians(3.0), 64, 48)
 LAST = 20000.0
+
+#: Accuracy with many lines of sight in place of averaged seas, just below the least error for these.
+LINES = Accuracy(variance_error=0.0199)
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +58,7 @@ def variances(detail, camera, arc):
 )
 def test_levels_leave_out_what_pixels_average_anyway(waves, detail, camera):
     """Share of the pixels' variance that a level leaves out: near the error where it begins, above it at a quarter of the way."""
-    accuracy = Accuracy()
+    accuracy = LINES
     levels = Levels.of(waves, camera, accuracy, 4000.0)
     assert levels.begins[0] == 0.0
     assert levels.begins.size > 1
@@ -69,7 +72,7 @@ def test_levels_leave_out_what_pixels_average_anyway(waves, detail, camera):
 @pytest.mark.parametrize("columns", [0.1, 0.07])
 def test_waves_that_span_the_columns_asked_for_stay(waves, columns):
     """With so few columns the error no longer decides: each level begins where its shortest wave spans them."""
-    levels = Levels.of(waves, coarse(), Accuracy(shortest_wave_columns=columns), LAST)
+    levels = Levels.of(waves, coarse(), replace(LINES, shortest_wave_columns=columns), LAST)
     width = np.array([footprint(coarse(), begin)[0] for begin in levels.begins[1:]])
     assert width.size >= 1
     assert columns * width == pytest.approx(levels.shortest[1:], rel=0.01)
@@ -88,9 +91,9 @@ def test_lines_part_where_three_no_longer_fit_a_wave(waves):
 
 
 def test_steps_follow_the_shortest_wave_of_each_level(waves):
-    levels = Levels.of(waves, coarse(), Accuracy(), LAST)
+    levels = Levels.of(waves, coarse(), LINES, LAST)
     assert levels.steps == pytest.approx(levels.shortest / Accuracy().steps_per_wave)
-    stated = Levels.of(waves, coarse(), Accuracy(step=0.2), LAST)
+    stated = Levels.of(waves, coarse(), replace(LINES, step=0.2), LAST)
     assert stated.steps[0] == pytest.approx(0.2)
     assert stated.steps / stated.shortest == pytest.approx(np.full(stated.steps.size, 0.2 / stated.shortest[0]))
     cell = waves.tiles[-1].spacing  # steps of less than 256 cells are said to be allowed
@@ -100,10 +103,72 @@ def test_steps_follow_the_shortest_wave_of_each_level(waves):
 
 
 def test_levels_beyond_the_last_arc_are_left_out(waves):
-    every = Levels.of(waves, coarse(), Accuracy(), LAST)
-    fewer = Levels.of(waves, coarse(), Accuracy(), 0.5 * (every.begins[1] + every.begins[2]))
+    every = Levels.of(waves, coarse(), LINES, LAST)
+    fewer = Levels.of(waves, coarse(), LINES, 0.5 * (every.begins[1] + every.begins[2]))
     assert fewer.begins.size == 2
     assert fewer.begins[1] == pytest.approx(every.begins[1], rel=0.01)
+
+
+@pytest.mark.parametrize("accuracy", [LINES, Accuracy()], ids=["lines", "averages"])
+def test_levels_before_the_first_arc_are_left_out_but_the_finest(waves, accuracy):
+    """Rays and the sea under the sensor are read from the finest level, whatever the view."""
+    every = Levels.of(waves, coarse(), accuracy, LAST)
+    fewer = Levels.of(waves, coarse(), accuracy, LAST, 0.5 * (every.begins[2] + every.begins[3]))
+    assert fewer.begins.tolist() == [0.0, *every.begins[2:]]
+    assert fewer.numbers == (0, *every.numbers[2:])
+    assert fewer.widths == (0.0, *every.widths[2:])
+    assert [level.mss for level in fewer.detail.levels[1:]] == [level.mss for level in every.detail.levels[2:]]
+
+
+def removed(waves, detail, number, width):
+    """Share of a level's slope variance that an average over a width removes [1], from its plane waves in all directions."""
+    whole = kept = 0.0
+    for p in detail.levels[number].parts:
+        east, north, _, real, imaginary = detail.parts[p].plane_waves()[0].T
+        power = (real**2 + imaginary**2) * (east**2 + north**2)
+        angles = np.linspace(0.0, np.pi, 16, endpoint=False)
+        across = np.hypot(east, north) * np.cos(np.arctan2(east, north) + angles[:, None])
+        whole += power.sum()
+        kept += (power * (np.sinc(across * width / (2.0 * np.pi)) ** 2).mean(axis=0)).sum()
+    return 1.0 - kept / whole
+
+
+@pytest.mark.parametrize(
+    "camera", [CAMERA, coarse(), coarse(coarse()), replace(coarse(), height=300.0)], ids=["fine", "coarse", "coarsest", "high"]
+)
+def test_averages_follow_the_distance_of_lines_and_leave_most_slopes(waves, detail, camera):
+    """Widths are powers of the root of two next to a share of the distance; few levels lose more of their slopes than allowed."""
+    levels = Levels.of(waves, camera, Accuracy(), LAST)
+    ends = np.append(levels.begins[1:], LAST)
+    averaged = np.array(levels.widths) > 0.0
+    assert averaged.any()
+    assert not averaged[0]
+    assert np.all(np.diff(averaged.astype(int)) >= 0)
+    for number, width, begin, end in np.array([levels.numbers, levels.widths, levels.begins, ends]).T[averaged]:
+        lines = 2.0 ** np.count_nonzero(levels.parts <= begin * 1.0001)
+        for arc in (begin, end):
+            assert 2.0**-0.26 < AVERAGED_WIDTH * arc * camera.column_step / lines / width < 2.0**0.27
+        if lines < Accuracy().lines_per_column:
+            assert removed(waves, detail, int(number), width) < AVERAGED_SHARE + 0.12
+    assert 2.0 * np.log2(np.array(levels.widths)[averaged]) == pytest.approx(np.round(2.0 * np.log2(np.array(levels.widths)[averaged])))
+
+
+def test_averages_are_for_narrow_views_of_ordinary_accuracy(waves):
+    assert averages(CAMERA, Accuracy())
+    assert averages(replace(CAMERA, width=2.0 * AVERAGED_ASIDE), Accuracy(variance_error=0.1))
+    for camera, accuracy in (
+        (replace(CAMERA, width=2.01 * AVERAGED_ASIDE), Accuracy()),
+        (CAMERA, Accuracy(variance_error=0.019)),
+        (CAMERA, Accuracy(shortest_wave_columns=0.0)),
+    ):
+        assert not averages(camera, accuracy)
+        assert set(Levels.of(waves, camera, accuracy, LAST).widths) == {0.0}
+
+
+def test_another_seed_has_the_levels_of_a_sea_made_for_it(waves):
+    made = Levels.of(waves, coarse(), Accuracy(), LAST).reseeded(waves.reseeded(8))
+    other = Levels.of(waves.reseeded(8), coarse(), Accuracy(), LAST)
+    assert [z.tobytes() for z in made.lattices(1.0)] == [z.tobytes() for z in other.lattices(1.0)]
 
 
 def test_bounds_hold_the_finest_sea(waves):

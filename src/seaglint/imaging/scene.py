@@ -83,6 +83,9 @@ class Levels:
     steps: FloatArray  #: Largest step of each level [m].
     shortest: FloatArray  #: Shortest wave of each level [m].
     parts: FloatArray  #: Arcs at which every line of a column splits in two [m].
+    numbers: tuple[int, ...] = (0,)  #: Number of each among all levels of detail of the sea.
+    widths: tuple[float, ...] = (0.0,)  #: Width over which each level is averaged across the line of sight [m]; 0 where it is not.
+    azimuth: float = 0.0  #: Azimuth of the lines of sight in the middle of the view [rad].
 
     @classmethod
     def calm(cls) -> Levels:
@@ -90,8 +93,8 @@ class Levels:
         return cls(Detail.calm(), np.zeros(1), np.zeros(1), np.full(1, np.inf), np.empty(0))
 
     @classmethod
-    def of(cls, waves: WaveField, camera: Camera, accuracy: Accuracy, last: float) -> Levels:
-        """Return the levels that begin before the arc ``last`` [m].
+    def of(cls, waves: WaveField, camera: Camera, accuracy: Accuracy, last: float, first: float = 0.0) -> Levels:
+        """Return the levels that begin before the arc ``last`` [m]; of those that end before ``first``, the finest alone.
 
         Raises
         ------
@@ -99,19 +102,32 @@ class Levels:
             Steps that do not suit the lattices.
         """
         # with 0 columns all waves stay geometry: one level
-        columns, step = accuracy.shortest_wave_columns, accuracy.step
-        detail = Detail.of(waves, None if columns > 0.0 else 1)
-        shortest = np.array([level.shortest_wave for level in detail.levels])
-        begins, parts = _plan(detail, shortest, camera, accuracy, last)
-        used = max(int(np.count_nonzero(begins < last)), 1)
-        detail, begins, shortest = detail.first(used), begins[:used], shortest[:used]
-        steps = shortest / accuracy.steps_per_wave if step is None else shortest * (step / shortest[0])
-        cells = [detail.parts[level.parts[-1]].tiles[0].spacing for level in detail.levels]
+        every = Detail.of(waves, None if accuracy.shortest_wave_columns > 0.0 else 1)
+        shortest = np.array([level.shortest_wave for level in every.levels])
+        plan = _averaged_plan if averages(camera, accuracy) else _plan
+        begins, chosen, widths, parts = plan(every, shortest, camera, accuracy, last)
+        ends = np.append(begins[1:], np.inf)
+        used = (begins < last) & (ends > first)
+        used[0] = True
+        begins, chosen, widths = begins[used], chosen[used], widths[used]
+        shortest = shortest[chosen]
+        steps = shortest / accuracy.steps_per_wave if accuracy.step is None else shortest * (accuracy.step / shortest[0])
+        numbers = tuple(int(n) for n in chosen)
+        made = cls(every, begins, steps, shortest, parts, numbers, tuple(float(w) for w in widths), camera.azimuth)
+        levels = replace(made, detail=made._chosen(every))
+        cells = [levels.detail.parts[level.parts[-1]].tiles[0].spacing for level in levels.detail.levels]
         if np.any(steps * STRIP >= LONGEST_STRIP * np.array(cells)):
             raise DomainError(
                 f"step = {steps[0]:g} m does not suit lattices of {cells[0]:g} m; allowed are less than {LONGEST_STRIP // STRIP} cells"
             )
-        return cls(detail, begins, steps, shortest, parts)
+        return levels
+
+    def _chosen(self, every: Detail) -> Detail:
+        return every.averaged(self.numbers, self.widths, self.azimuth)
+
+    def reseeded(self, waves: WaveField) -> Levels:
+        """Return these levels of another realisation of the same sea."""
+        return replace(self, detail=self._chosen(Detail.of(waves)))
 
     @property
     def spacing(self) -> FloatArray:
@@ -138,32 +154,90 @@ class Levels:
         return Bounds(crest, steepest_rise(tuple(lattices[p] for p in parts), spacing), float(spacing.min()))
 
 
-def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> tuple[FloatArray, FloatArray]:
-    """Return the arc from which on each level is used, and the arcs at which lines split in two [m], at the least cost for the accuracy.
+#: Largest angle between a line of sight and the middle of a view whose lines share averaged seas [rad]: at 20 degrees deviations of pixels
+#: are up to 4 % larger than in the middle, at 40 degrees up to 7 %.
+AVERAGED_ASIDE = math.radians(15.0)
+
+#: Least ``variance_error`` with which lines read averaged seas: deviations of pixels are within 4 % of those of many lines.
+AVERAGED_ERROR = 0.02
+
+#: Width over which the sea is averaged, over the distance of lines. A line shows waves as narrow as that distance by themselves, and what
+#: they add to each other: their groups, which an average over the whole distance removes. Deviations of pixels agree with those of finer
+#: pictures averaged down, as measured from 10 m to 3 km.
+AVERAGED_WIDTH = 0.65
+
+#: Largest share of a level's slope variance that an average removes; lines are closer where it removed more.
+AVERAGED_SHARE = 0.3
+
+WIDTHS_PER_OCTAVE = 2  #: Number of widths over which the sea is averaged, for each doubling of the distance of lines.
+
+
+def averages(camera: Camera, accuracy: Accuracy) -> bool:
+    """Return True where one line of sight over an averaged sea may stand for many lines side by side."""
+    narrow = 0.5 * camera.width <= AVERAGED_ASIDE
+    return narrow and accuracy.shortest_wave_columns > 0.0 and accuracy.variance_error >= AVERAGED_ERROR
+
+
+class _Pixels(NamedTuple):
+    """Pixels on the mean sea at the arcs of a plan, and the shares of their variance (levels, arcs).
 
     A pixel averages waves that are shorter than its width or length, so that a band of slope variance ``m`` and length ``L`` adds
     ``m min(1, L/width) min(1, L/length)`` to the variance of pixels, to first order in the slopes. A level loses the variance of the bands
-    that it omits. Lines farther apart than ``L`` overestimate a band by the ratio of their distance to ``L``.
+    that it omits.
     """
-    mss = np.array([sum(level.mss) for level in detail.levels])
-    # the variance that each level adds to the next coarser one
-    bands = np.append(mss[:-1] - mss[1:], mss[-1])[:, None]
-    # a band's length: the geometric mean of its limits
-    waves = np.append(np.sqrt(shortest[:-1] * shortest[1:]), 2.0 * shortest[-1])[:, None]
-    far = max(last, camera.height)
-    arcs = np.geomspace(1e-2 * min(camera.height, far), far, _ARCS)
-    width, length = arcs * camera.column_step, camera.row_step * (arcs**2 + camera.height**2) / camera.height
-    shown = bands * np.minimum(1.0, waves / width) * np.minimum(1.0, waves / length)
-    shown /= shown.sum(axis=0)
-    lost = np.concatenate([np.zeros((1, arcs.size)), np.cumsum(shown, axis=0)[:-1]])
+
+    arcs: FloatArray  #: Arcs from the sensor's foot [m].
+    width: FloatArray  #: Width of a pixel [m].
+    bands: FloatArray  #: Slope variance that each level adds to the next coarser one [1].
+    waves: FloatArray  #: Length of the waves of each band [m].
+    shown: FloatArray  #: Share of each band in the variance of pixels.
+    lost: FloatArray  #: Share of the variance that each level loses.
+    allowed: NDArray[np.bool_]  #: Whether the waves that a level omits span fewer columns than those that stay geometry anyway.
+
+    @classmethod
+    def of(cls, detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> _Pixels:
+        """Return the pixels of a camera up to the arc ``last`` [m]."""
+        mss = np.array([sum(level.mss) for level in detail.levels])
+        bands = np.append(mss[:-1] - mss[1:], mss[-1])[:, None]
+        # a band's length: the geometric mean of its limits
+        waves = np.append(np.sqrt(shortest[:-1] * shortest[1:]), 2.0 * shortest[-1])[:, None]
+        far = max(last, camera.height)
+        arcs = np.geomspace(1e-2 * min(camera.height, far), far, _ARCS)
+        width, length = arcs * camera.column_step, camera.row_step * (arcs**2 + camera.height**2) / camera.height
+        shown = bands * np.minimum(1.0, waves / width) * np.minimum(1.0, waves / length)
+        shown /= shown.sum(axis=0)
+        lost = np.concatenate([np.zeros((1, arcs.size)), np.cumsum(shown, axis=0)[:-1]])
+        allowed = (width * accuracy.shortest_wave_columns >= shortest[:, None]) | (np.arange(shortest.size) == 0)[:, None]
+        return cls(arcs, width, bands, waves, shown, lost, allowed)
+
+    def gained(self, doublings: int) -> FloatArray:
+        """Return the share by which lines farther apart than waves overestimate the variance of pixels at each level."""
+        again = self.shown * np.maximum(_LINES_PER_WAVE * self.width / (self.waves * (1 << doublings)) - 1.0, 0.0)
+        return np.asarray(np.cumsum(again[::-1], axis=0)[::-1])
+
+
+#: Arcs from which on each level is used [m], numbers of the levels, widths over which they are averaged [m], and the arcs at which lines
+#: split in two [m].
+_Plan = tuple[FloatArray, NDArray[np.int64], FloatArray, FloatArray]
+
+
+def _splits(arcs: FloatArray, doublings: NDArray[np.int64]) -> FloatArray:
+    """Return the arcs at which lines split in two [m]."""
+    return np.array([float(arcs[np.argmax(doublings >= k)]) for k in range(1, int(doublings[-1]) + 1)])
+
+
+def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> _Plan:
+    """Return levels and lines at the least cost for the accuracy, without averages.
+
+    Lines farther apart than ``L`` overestimate a band by the ratio of their distance to ``L``.
+    """
+    pixels = _Pixels.of(detail, shortest, camera, accuracy, last)
+    arcs, lost, most = pixels.arcs, pixels.lost, accuracy.variance_error
     best, chosen = np.full(arcs.size, np.inf), np.zeros((2, arcs.size), np.int64)
-    most = accuracy.variance_error
     for doublings in range(accuracy.lines_per_column.bit_length()):
-        again = shown * np.maximum(_LINES_PER_WAVE * width / (waves * (1 << doublings)) - 1.0, 0.0)
-        gained = np.cumsum(again[::-1], axis=0)[::-1]
+        gained = pixels.gained(doublings)
         for level in range(shortest.size):
-            error = np.abs(gained[level] - lost[level])
-            allowed = (width * accuracy.shortest_wave_columns >= shortest[level]) | (level == 0)
+            error, allowed = np.abs(gained[level] - lost[level]), pixels.allowed[level]
             good = allowed & (error <= most) & (lost[level] <= 3.0 * most)
             # where no level is good enough the one with the smallest error is used, always behind a good one
             cost = np.where(good, (1 << doublings) / shortest[level], np.where(allowed, 1e6 * (1.0 + error), np.inf))
@@ -172,8 +246,40 @@ def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accura
     # outwards, waves are only ever omitted and lines only ever split
     levels, lines = np.maximum.accumulate(chosen, axis=1)
     begins = np.array([0.0] + [float(arcs[np.argmax(levels >= k)]) if levels[-1] >= k else np.inf for k in range(1, shortest.size)])
-    parts = np.array([float(arcs[np.argmax(lines >= k)]) for k in range(1, int(lines[-1]) + 1)])
-    return begins, parts
+    return begins, np.arange(shortest.size), np.zeros(shortest.size), _splits(arcs, lines)
+
+
+def _averaged_plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> _Plan:
+    """Return levels of seas averaged across the line of sight, where one line would sample the waves of a column too coarsely.
+
+    Lines split only where an average over their distance would remove much of a level's slopes: groups of waves change the mean of a pixel
+    as well, and are lost with them.
+    """
+    pixels = _Pixels.of(detail, shortest, camera, accuracy, last)
+    arcs, most = pixels.arcs, accuracy.variance_error
+    good = pixels.allowed & (pixels.lost <= 3.0 * most)
+    level = np.maximum.accumulate(np.max(np.where(good, np.arange(shortest.size)[:, None], 0), axis=0))
+    coarse = np.maximum.accumulate(pixels.gained(0)[level, np.arange(arcs.size)] > most)
+    doublings = np.zeros(arcs.size, np.int64)
+    for k in range(accuracy.lines_per_column.bit_length() - 1):
+        doublings[coarse & (_removed(pixels, level, AVERAGED_WIDTH * pixels.width / (1 << k)) > AVERAGED_SHARE)] = k + 1
+    doublings = np.maximum.accumulate(doublings)
+    wanted = WIDTHS_PER_OCTAVE * np.log2(AVERAGED_WIDTH * pixels.width / (1 << doublings))
+    # the same widths for any view: numbers of a fixed series
+    number = np.where(coarse, np.floor(wanted + 0.5), -np.inf)
+    change = np.concatenate([[True], (np.diff(level) != 0) | (number[1:] != number[:-1])])
+    begins = np.where(np.arange(arcs.size) > 0, arcs, 0.0)[change]
+    return begins, level[change], np.exp2(number[change] / WIDTHS_PER_OCTAVE), _splits(arcs, doublings)
+
+
+def _removed(pixels: _Pixels, level: NDArray[np.int64], width: FloatArray) -> FloatArray:
+    """Return the share of the slope variance of levels that averages over a width [m] remove, from waves of all directions."""
+    sines = np.sin((np.arange(32) + 0.5) * (0.5 * np.pi / 32))[:, None]
+    gone = np.array(
+        [pixels.bands[k] * (1.0 - np.mean(np.sinc(sines * width / pixels.waves[k]) ** 2, axis=0)) for k in range(len(pixels.bands))]
+    )
+    removed, whole = (np.cumsum(each[::-1], axis=0)[::-1] for each in (gone, pixels.bands))
+    return np.asarray(removed[level, np.arange(level.size)] / whole[level, 0])
 
 
 class Instant(NamedTuple):

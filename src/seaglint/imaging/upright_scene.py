@@ -34,7 +34,7 @@ from seaglint.imaging.sweep.walk import PATH_EVERY, Merging, Walk, calm_ranges, 
 from seaglint.imaging.wave_surface import Surface
 from seaglint.sea.shadowing.smith import smith_lambda
 from seaglint.sea.slopes.slope_statistics import gaussian_slopes
-from seaglint.sea.wave_field import Detail, WaveField
+from seaglint.sea.wave_field import WaveField
 
 
 def sky_rows(view: SeaView, camera: Camera) -> Rows:
@@ -111,7 +111,8 @@ class SweptScene:
         else:
             require_dry(camera.height, waves)
             limits = sea_limits(camera, fine.crest * waves.significant_height)
-            levels = Levels.of(waves, camera, fine, limits[1] if limits is not None else 0.0)
+            first, last = limits if limits is not None else (0.0, 0.0)
+            levels = Levels.of(waves, camera, fine, last, first)
             if limits is not None:
                 arcs = graded_ranges(*limits, levels.begins, levels.steps, camera.height, camera.row_step)
         empty = cls(view, camera, waves, fine, names, sparkles, camera, levels, None)
@@ -147,6 +148,7 @@ class SweptScene:
             "sweep_range_m": [] if tables is None else [float(tables.walk.range_m[0]), float(tables.walk.range_m[-1])],
             "level_begins_m": [float(r) for r in self._levels.begins] if waves else None,
             "level_shortest_wave_m": [level.shortest_wave for level in detail.levels] if waves else None,
+            "level_averaged_over_m": list(self._levels.widths) if waves else None,
             "most_lines_per_column": self.accuracy.lines_per_column,
             **self.sparkles.of(self.view, self._prepared_for)[1],
             "spectral_terms": [] if tables is None else [int(terms.shape[1]) for terms in tables.walk.path[:2]],
@@ -195,8 +197,7 @@ class SweptScene:
         if self.waves is None:
             return replace(self, sparkles=sparkles, _tables=tables)
         waves = self.waves.reseeded(seed)
-        levels = replace(self._levels, detail=Detail.of(waves).first(len(self._levels.detail.levels)))
-        return replace(self, waves=waves, sparkles=sparkles, _levels=levels, _tables=tables)
+        return replace(self, waves=waves, sparkles=sparkles, _levels=self._levels.reseeded(waves), _tables=tables)
 
     def surface(self, time: float, origin: tuple[float, float] = (0.0, 0.0)) -> Surface:
         """Return the sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""

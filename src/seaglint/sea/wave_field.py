@@ -67,6 +67,9 @@ UNEVEN: Final = 0.02
 
 NARROWEST: Final = 1.5  #: Least ratio of the upper limit of a low-passed tile to its lowest wavenumber; a narrower tile is omitted.
 
+#: Share of a level's slope variance below which the loss of a tile's waves to an average is neglected, and the tile left as it is.
+KEPT: Final = 2e-3
+
 SMALLEST: Final = 16  #: Fewest lattice points along a side of a low-passed tile.
 
 
@@ -122,7 +125,8 @@ class WaveField:
     """Moving sea, synthesised on periodic tiles. Make it with :meth:`create`.
 
     ``wander``: displacement at which each tile is read (:mod:`seaglint.sea.tiles`); empty without wander. ``readings``: how the
-    heights of each are read between lattice points; linearly where their share is small.
+    heights of each are read between lattice points; linearly where their share is small. ``oblique``: the waves are a mean
+    (:meth:`averaged`), which need not lie evenly on both sides of the wind.
     """
 
     spectrum: DirectionalSpectrum
@@ -130,6 +134,7 @@ class WaveField:
     seed: int
     wander: tuple[Wander, ...]
     readings: tuple[Reading, ...]
+    oblique: bool
     _lattices: tuple[_Lattice, ...]
     _amplitudes: tuple[_Amplitudes, ...]
 
@@ -147,7 +152,7 @@ class WaveField:
         require_bands(spectrum, tiles)
         lattices = tuple(_lattice_waves(spectrum, tile) for tile in tiles)
         wanders = _wander(tiles, seed) if wander else ()
-        return cls(spectrum, tuple(tiles), seed, wanders, _readings(tiles, lattices), lattices, _draw(lattices, seed))
+        return cls(spectrum, tuple(tiles), seed, wanders, _readings(tiles, lattices), False, lattices, _draw(lattices, seed))
 
     def reseeded(self, seed: int) -> WaveField:
         """Return another realisation of the same sea, as :meth:`create` would make it, without integrating the spectrum again."""
@@ -172,6 +177,16 @@ class WaveField:
         # frequencies and amplitudes are copied, so that a level moves exactly as the full sea
         cut = [_low_pass(*parts) for parts in zip(tiles, self._lattices, self._amplitudes, strict=True)]
         return replace(self, tiles=tiles, _lattices=tuple(c[0] for c in cut), _amplitudes=tuple(c[1] for c in cut))
+
+    def averaged(self, width: float, azimuth: float) -> WaveField:
+        """Return the field as a mean over a ``width`` [m] at right angles to the direction of an azimuth [rad].
+
+        A wave of the wavenumber ``q`` at right angles to it is multiplied by ``sin(q width/2)/(q width/2)``.
+        """
+        across = (np.cos(azimuth) * width, -np.sin(azimuth) * width)
+        # frequencies are copied, so that an averaged sea moves exactly as the full one
+        cut = [_mean_over(across, *parts) for parts in zip(self._lattices, self._amplitudes, strict=True)]
+        return replace(self, oblique=True, _lattices=tuple(c[0] for c in cut), _amplitudes=tuple(c[1] for c in cut))
 
     def refined(self, times: int) -> WaveField:
         """Return the same sea on lattices of ``times`` as many points a side, for readers that interpolate without its splines."""
@@ -273,7 +288,7 @@ class WaveField:
 
         Exactly 0 for a spectrum that lies evenly on both sides of the wind: any covariance of its lattices is an error of their sums.
         """
-        if self.spectrum.slope_covariance() == 0.0:
+        if self.spectrum.slope_covariance() == 0.0 and not self.oblique:
             return 0.0
         return float(sum(np.sum(energy * along * across) for energy, along, across in self._slope_waves()))
 
@@ -385,6 +400,14 @@ def _low_pass(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_
     in_band = np.hypot(k_east, k_north) < tile.k_max
     waves = _Lattice(k_east, k_north, lattice.frequency[inner], lattice.variance[inner] * in_band, lattice.opposite[inner] * in_band)
     return waves, _Amplitudes(amplitudes.forward[inner] * in_band, amplitudes.backward[inner] * in_band)
+
+
+def _mean_over(line: tuple[float, float], lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_Lattice, _Amplitudes]:
+    """Return the waves of a lattice as a mean over a line, given by its extent towards east and north [m]."""
+    share = np.sinc((lattice.k_east * line[0] + lattice.k_north * line[1]) / (2.0 * np.pi))
+    waves = replace(lattice, variance=lattice.variance * share**2, opposite=lattice.opposite * share**2)
+    cut = share.astype(np.float32)
+    return waves, _Amplitudes(amplitudes.forward * cut, amplitudes.backward * cut)
 
 
 def _draw(lattices: Sequence[_Lattice], seed: int) -> tuple[_Amplitudes, ...]:
@@ -500,6 +523,37 @@ class Detail:
         used_parts = sorted({p for level in used for p in level.parts})
         place = {p: i for i, p in enumerate(used_parts)}
         return Detail(tuple(self.parts[p] for p in used_parts), tuple(replace(v, parts=tuple(place[p] for p in v.parts)) for v in used))
+
+    def averaged(self, levels: Sequence[int], widths: Sequence[float], azimuth: float) -> Detail:
+        """Return levels of this detail, each as a mean over a width at right angles to an azimuth (:meth:`WaveField.averaged`).
+
+        Parameters
+        ----------
+        levels : sequence of int
+            Numbers of the levels; a level may occur with several widths.
+        widths : sequence of float
+            Their widths [m]; 0 leaves a level as it is.
+        azimuth : float
+            Direction [rad].
+        """
+        parts: list[WaveField] = []
+        place: dict[tuple[int, float], int] = {}
+        out = []
+        for number, width in zip(levels, widths, strict=True):
+            level, used = self.levels[number], []
+            for p in level.parts:
+                key = (p, width)
+                if key not in place:
+                    mean = self.parts[p].averaged(width, azimuth) if width > 0.0 else self.parts[p]
+                    if sum(self.parts[p].resolved_mss()) - sum(mean.resolved_mss()) < KEPT * sum(level.mss):
+                        mean, key = self.parts[p], (p, 0.0)
+                    if key not in place:
+                        place[key] = len(parts)
+                        parts.append(mean)
+                    place[p, width] = place[key]
+                used.append(place[key])
+            out.append(_level(parts, tuple(used)))
+        return Detail(tuple(parts), tuple(out))
 
     def surfaces(self, time: float, workers: int = 1) -> tuple[NDArray[np.float32], ...]:
         """Lattices of every part at one time [s], from which heights and slopes are read (:meth:`WaveField.coefficients`)."""
