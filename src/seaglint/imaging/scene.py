@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, depression_of_range, horizon_depression, horizon_range
 from seaglint.base.errors import DomainError
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.imager import Camera, Imager
@@ -164,10 +164,12 @@ AVERAGED_ERROR = 0.02
 #: Width over which the sea is averaged, over the distance of lines. A line shows waves as narrow as that distance by themselves, and what
 #: they add to each other: their groups, which an average over the whole distance removes. Deviations of pixels agree with those of finer
 #: pictures averaged down, as measured from 10 m to 3 km.
-AVERAGED_WIDTH = 0.65
+AVERAGED_WIDTH = 0.72
 
 #: Largest share of a level's slope variance that an average removes; lines are closer where it removed more.
-AVERAGED_SHARE = 0.3
+AVERAGED_SHARE = 0.2
+
+LAST_SHARE = 0.25  #: Share of a row that a sea must fill up to the horizon for its lines to split.
 
 WIDTHS_PER_OCTAVE = 2  #: Number of widths over which the sea is averaged, for each doubling of the distance of lines.
 
@@ -253,16 +255,19 @@ def _averaged_plan(detail: Detail, shortest: FloatArray, camera: Camera, accurac
     """Return levels of seas averaged across the line of sight, where one line would sample the waves of a column too coarsely.
 
     Lines split only where an average over their distance would remove much of a level's slopes: groups of waves change the mean of a pixel
-    as well, and are lost with them.
+    as well, and are lost with them. At the horizon, where crests from many kilometres fill a part of one row, they do not split.
     """
     pixels = _Pixels.of(detail, shortest, camera, accuracy, last)
     arcs, most = pixels.arcs, accuracy.variance_error
+    to_horizon = depression_of_range(camera.height, arcs) - horizon_depression(camera.height)
+    visible = (arcs < horizon_range(camera.height)) & (to_horizon > LAST_SHARE * camera.row_step)
     good = pixels.allowed & (pixels.lost <= 3.0 * most)
     level = np.maximum.accumulate(np.max(np.where(good, np.arange(shortest.size)[:, None], 0), axis=0))
     coarse = np.maximum.accumulate(pixels.gained(0)[level, np.arange(arcs.size)] > most)
     doublings = np.zeros(arcs.size, np.int64)
     for k in range(accuracy.lines_per_column.bit_length() - 1):
-        doublings[coarse & (_removed(pixels, level, AVERAGED_WIDTH * pixels.width / (1 << k)) > AVERAGED_SHARE)] = k + 1
+        removed = _removed(pixels, level, AVERAGED_WIDTH * pixels.width / (1 << k))
+        doublings[coarse & visible & (removed > AVERAGED_SHARE)] = k + 1
     doublings = np.maximum.accumulate(doublings)
     wanted = WIDTHS_PER_OCTAVE * np.log2(AVERAGED_WIDTH * pixels.width / (1 << doublings))
     # the same widths for any view: numbers of a fixed series
