@@ -17,7 +17,7 @@ from seaglint.base.errors import DataError
 from seaglint.formats import object_labels
 from seaglint.formats.dataset import dataset_writing, format_named
 from seaglint.formats.dataset.dataset_writing import ConversionSettings, convert
-from seaglint.formats.dataset.scene_frames import SceneFrames
+from seaglint.formats.dataset.labelled_scene import LabelledScene
 from seaglint.formats.dataset.scene_records import Entry
 from seaglint.formats.object_labels import Labels
 from seaglint.scenario.ensemble_file import parse_ensemble
@@ -77,14 +77,14 @@ def test_scenes_in_memory_give_the_files_of_their_stores(tmp_path: Path, form: s
     number = int(np.random.default_rng([counts, objects]).integers(1000))
     layout, frame = scene_of(number, counts=counts, objects=objects)
     store = write_scene(tmp_path / "s.zarr", number, counts=counts, objects=objects)
-    held = SceneFrames.held(tmp_path / "s.toml", layout, map(frame, layout.frames))
+    held = LabelledScene.held(tmp_path / "s.toml", layout, map(frame, layout.frames))
     entry = Entry("0000", str(store), "train", {})
     for name in ("one", "other"):
         for place in format_named(form).folders:
             (tmp_path / name / place).mkdir(parents=True)
         (tmp_path / name / ".parts").mkdir()
     settings = [ConversionSettings(str(tmp_path / name), form, format_named(form).bits, "png", {}) for name in ("one", "other")]
-    with SceneFrames.stored(store) as stored:
+    with LabelledScene.stored(store) as stored:
         assert convert(entry, stored, settings[0]) == convert(entry, held, settings[1])
     assert digests(tmp_path / "one") == digests(tmp_path / "other") != {}
 
@@ -157,7 +157,7 @@ def test_a_signal_ends_a_scene_in_memory_after_a_frame(tmp_path: Path, monkeypat
 
     with monkeypatch.context() as patched:
         patched.setattr(module, "prepared", stopping)
-        with pytest.raises(Interrupted, match="stopped after 1 of 3 scenes, kept in .*; run the same again with resume"):
+        with pytest.raises(Interrupted, match=r"stopped after 1 of 3 scenes, kept in .*; run the same again with resume"):
             made(tmp_path / "D")
     assert drawn == [0, 1, 0]
     seen: list[int] = []
@@ -169,16 +169,14 @@ def test_a_signal_ends_a_scene_in_memory_after_a_frame(tmp_path: Path, monkeypat
 def test_scenes_that_fail_have_tracebacks_and_the_rest_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     held = module.held_scene
 
-    def fails_once(scenario: Any, source: Path, *settings: Any) -> SceneFrames:
+    def fails_once(scenario: Any, source: Path, *settings: Any) -> LabelledScene:
         if source.stem == "0001":
             raise RuntimeError("no luck")
         return held(scenario, source, *settings)
 
     with monkeypatch.context() as patched:
         patched.setattr(module, "held_scene", fails_once)
-        with pytest.raises(
-            DataError, match=r"scene 0001: RuntimeError: no luck\n1 of 3 scenes failed, their tracebacks are in .*failures;"
-        ):
+        with pytest.raises(DataError, match=r"0001: RuntimeError: no luck\n1 of 3 scenes failed, their tracebacks are in .*failures"):
             made(tmp_path / "D")
     trace = tmp_path / "D.partial" / ".ensemble" / "failures" / "0001.txt"
     assert "fails_once" in trace.read_text()

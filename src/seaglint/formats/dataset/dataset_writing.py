@@ -23,7 +23,7 @@ from seaglint.base.errors import BackendError, DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.formats.dataset import format_named
 from seaglint.formats.dataset.grey_pictures import Bits, PictureLevels, box_of, compressed, read_picture, write_picture
-from seaglint.formats.dataset.scene_frames import SceneFrames
+from seaglint.formats.dataset.labelled_scene import LabelledScene
 from seaglint.formats.dataset.scene_records import (
     SPLITS,
     TRUTH_COLUMNS,
@@ -74,7 +74,7 @@ class ConversionSettings:
     classes: Mapping[str, str]  #: Category of an object by its name; the default is its preset, or the kind of its shape.
 
 
-def convert(entry: Entry, scene: SceneFrames, settings: ConversionSettings) -> DatasetScene:
+def convert(entry: Entry, scene: LabelledScene, settings: ConversionSettings) -> DatasetScene:
     """Write a scene's pictures, and its record last.
 
     Raises
@@ -116,7 +116,7 @@ def convert(entry: Entry, scene: SceneFrames, settings: ConversionSettings) -> D
     return part
 
 
-def _levels(scene: SceneFrames, bits: Bits) -> PictureLevels:
+def _levels(scene: LabelledScene, bits: Bits) -> PictureLevels:
     """Return levels that cover all frames of the scene."""
     # Frame by frame, so that one frame of a store at a time is in memory.
     least_and_most = [(float(values.min()), float(values.max())) for values in map(scene.image, range(len(scene.frames)))]

@@ -20,7 +20,7 @@ from seaglint.base.threads import thread_limit
 from seaglint.cluster import Done, Job, ThisProcess, Workers
 from seaglint.formats.dataset import format_named
 from seaglint.formats.dataset.dataset_writing import ConversionSettings, convert
-from seaglint.formats.dataset.scene_frames import SceneFrames
+from seaglint.formats.dataset.labelled_scene import LabelledScene
 from seaglint.formats.dataset.scene_records import Entry, part_path
 from seaglint.scenario.load import load_scenario
 from seaglint.scenario.model import Scenario
@@ -94,7 +94,7 @@ def start(settings: SceneSettings) -> Callable[[Entry], str]:
     folder, form = Path(conversion.folder), format_named(conversion.format)
 
     def of_store(entry: Entry) -> str:
-        with SceneFrames.stored(Path(entry.store)) as scene:
+        with LabelledScene.stored(Path(entry.store)) as scene:
             return convert(entry, scene, conversion).scene
 
     def rendered(entry: Entry, drawn: Rendering) -> str:
@@ -129,7 +129,7 @@ def is_short(scenario: Scenario) -> bool:
     return scenario.sensor.frames <= MOST_FRAMES and scenario.sensor.frames * columns * rows * pixel <= MOST_BYTES
 
 
-def held_scene(scenario: Scenario, source: Path, threads: int | None, cached: SceneCache) -> SceneFrames:
+def held_scene(scenario: Scenario, source: Path, threads: int | None, cached: SceneCache) -> LabelledScene:
     """Draw the frames of a scene, as :func:`render_scene` does, and hold them in memory.
 
     Raises
@@ -146,4 +146,4 @@ def held_scene(scenario: Scenario, source: Path, threads: int | None, cached: Sc
                     raise KeyboardInterrupt
                 yield run.images(number)
 
-        return SceneFrames.held(source, run.layout, frames())
+        return LabelledScene.held(source, run.layout, frames())

@@ -22,8 +22,8 @@ from seaglint.store.stored_images import count_line, line_of, pictures
 
 
 @dataclass(frozen=True, eq=False)
-class SceneFrames:
-    """Frames of a scene in the values of its store. Make them with :meth:`stored` or :meth:`held`."""
+class LabelledScene:
+    """Frames of a scene with their labels, in the values of its store. Make them with :meth:`stored` or :meth:`held`."""
 
     source: Path  #: Store or scenario, which errors name.
     variable: str  #: Name of the images: ``signal`` or ``radiance``.
@@ -38,7 +38,7 @@ class SceneFrames:
 
     @classmethod
     @contextmanager
-    def stored(cls, store: Path) -> Iterator[SceneFrames]:
+    def stored(cls, store: Path) -> Iterator[LabelledScene]:
         """Open the frames of a finished sequence, which are read one at a time.
 
         Raises
@@ -63,7 +63,7 @@ class SceneFrames:
             )
 
     @classmethod
-    def held(cls, source: Path, layout: Layout, frames: Iterable[Mapping[str, NDArray[Any]]]) -> SceneFrames:
+    def held(cls, source: Path, layout: Layout, frames: Iterable[Mapping[str, NDArray[Any]]]) -> LabelledScene:
         """Hold frames in memory, in the types in which a store holds them; arrays that a data set does not need are dropped.
 
         Parameters
