@@ -11,7 +11,7 @@ from seaglint.formats.dataset.scene_records import Entry
 from seaglint.objects.drawing.truth import NUMBERS
 from seaglint.optics.band import Band
 from seaglint.store.layout import Layout, Truth, packed
-from seaglint.store.sequence_store import write_sequence
+from seaglint.store.sequence_store import Frame, write_sequence
 
 ROWS, COLUMNS, FRAMES = 24, 32, 3
 LINE = (3.2e-4, -0.01)
@@ -43,8 +43,8 @@ def values(scene: int, frame: int, *, counts: bool) -> np.ndarray:
     return np.rint(found).astype(np.uint16) if counts else (found * LINE[0] + LINE[1]).astype(np.float32)
 
 
-def write_scene(path: Path, scene: int, *, counts: bool = True, objects: bool = True) -> Path:
-    """A store as rendering leaves it."""
+def scene_of(scene: int, *, counts: bool = True, objects: bool = True) -> tuple[Layout, Frame]:
+    """Layout and frames of a scene, as a rendered sequence has them."""
     names = tuple(str(item["name"]) for item in OBJECTS) if objects else ()
     about = {"objects": list(OBJECTS)} if objects else {}
     scenario = {"sensor": {"frame_rate_hz": 30.0}, **about}
@@ -70,6 +70,12 @@ def write_scene(path: Path, scene: int, *, counts: bool = True, objects: bool = 
             out |= {"object_mask": packed(found), "object_id": owner.astype(np.uint16)}
         return out
 
+    return layout, frame
+
+
+def write_scene(path: Path, scene: int, *, counts: bool = True, objects: bool = True) -> Path:
+    """A store as rendering leaves it."""
+    layout, frame = scene_of(scene, counts=counts, objects=objects)
     return write_sequence(path, layout, frame)
 
 

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 MOST_NAMED: Final = 5  #: Objects in no frame that are named; more are counted.
 
+BLOCK: Final = 64  #: Frames whose numbers are read at once: a request to a store costs a millisecond however little it reads.
+
 
 @dataclass(frozen=True, eq=False)
 class Label:
@@ -39,13 +41,13 @@ class Label:
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """Labels of a finished sequence, read frame by frame. Make them with :meth:`of`."""
+    """Labels of a finished sequence, with masks read frame by frame. Those of a store are opened by :meth:`of`."""
 
     path: Path
     names: tuple[str, ...]
     frames: tuple[int, ...]
     shape: tuple[int, int]
-    _group: Any
+    arrays: Mapping[str, Any]  #: Numbers of the objects and planes of their masks by name, with the frames first.
 
     @classmethod
     def of(cls, path: str | Path) -> Labels:
@@ -64,21 +66,21 @@ class Labels:
         root: Any = zarr.open_group(path, mode="r", zarr_format=3)
         if GROUP not in root:
             raise DataError(f"{path}: holds no objects; labels are of sequences whose scenario has [[objects]]: add some and render again")
-        group = root[GROUP]
-        return cls(path, tuple(str(name) for name in group.attrs["objects"]), frames, tuple(group["object_id"].shape[1:]), group)
+        arrays = dict(root[GROUP].arrays())
+        return cls(path, tuple(str(name) for name in root[GROUP].attrs["objects"]), frames, arrays["object_id"].shape[1:], arrays)
 
     def never_seen(self) -> list[str]:
         """Return a text for each object that no frame shows: name, reason, and place in the first frame."""
-        if not self.frames or any(name not in self._group for name in ("visible_share", "truncated_share", "bearing_deg", "range_m")):
+        if not self.frames or any(name not in self.arrays for name in ("visible_share", "truncated_share", "bearing_deg", "range_m")):
             return []  # of an earlier version
-        visible = np.nan_to_num(self._group["visible_share"][:]).max(axis=0) > 0.0
-        cut = np.nan_to_num(self._group["truncated_share"][:])
+        visible = np.nan_to_num(self.arrays["visible_share"][:]).max(axis=0) > 0.0
+        cut = np.nan_to_num(self.arrays["truncated_share"][:])
         why = ("is hidden behind the horizon, waves or other objects", "is outside the picture", "is outside the picture or hidden")
         reasons = [
             why[0] if most <= 0.0 else why[1] if least >= 1.0 else why[2]
             for least, most in zip(cut.min(axis=0), cut.max(axis=0), strict=True)
         ]
-        azimuth, arc = self._group["bearing_deg"][0], self._group["range_m"][0]
+        azimuth, arc = self.arrays["bearing_deg"][0], self.arrays["range_m"][0]
         return [
             f"'{name}' {reasons[n]} (azimuth {round(float(azimuth[n]) % 360.0, 2) % 360.0:.4g} deg, "
             f"{float(arc[n]) / 1000.0:.3g} km away in frame {self.frames[0]})"
@@ -88,12 +90,15 @@ class Labels:
 
     def __iter__(self) -> Iterator[Label]:
         """Yield one label for each object of each frame."""
-        for index, frame in enumerate(self.frames):
-            # sequences of earlier versions lack some numbers
-            unknown = np.full(len(self.names), np.nan)
-            numbers = {name: self._group[name][index] if name in self._group else unknown for name in NUMBERS}
-            for n, (name, mask) in enumerate(zip(self.names, unpacked(self._group["object_mask"][index], len(self.names)), strict=True)):
-                yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, mask)
+        # Sequences of earlier versions lack some numbers.
+        unknown = np.full((BLOCK, len(self.names)), np.nan)
+        for first in range(0, len(self.frames), BLOCK):
+            places = slice(first, first + BLOCK)
+            numbers = {name: np.asarray(self.arrays[name][places]) if name in self.arrays else unknown for name in NUMBERS}
+            for n, frame in enumerate(self.frames[places]):
+                masks = unpacked(self.arrays["object_mask"][first + n], len(self.names))
+                for number, (name, mask) in enumerate(zip(self.names, masks, strict=True)):
+                    yield Label(frame, number, name, {key: float(values[n, number]) for key, values in numbers.items()}, mask)
 
 
 def report_never_seen(labels: Labels) -> None:

@@ -6,7 +6,7 @@ Counts of a detector become radiance by the linear relation in the attributes of
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -51,10 +51,15 @@ def count_line(variable: xr.DataArray) -> tuple[float, float]:
     DataError
         Counts without their line.
     """
-    if variable.name != "signal":
+    return line_of(str(variable.name), variable.attrs)
+
+
+def line_of(name: str, attributes: Mapping[str, Any]) -> tuple[float, float]:
+    """Return the line of :func:`count_line` of a variable by its name and attributes."""
+    if name != "signal":
         return 1.0, 0.0
     try:
-        return float(variable.attrs["radiance_scale"]), float(variable.attrs["radiance_offset"])
+        return float(attributes["radiance_scale"]), float(attributes["radiance_offset"])
     except (KeyError, TypeError, ValueError):
         raise DataError(
             "signal lacks its attributes radiance_scale and radiance_offset, which make radiance of counts; give a file that "

@@ -7,13 +7,12 @@ pictures with records, boxes with masks, and splits with each other.
 from __future__ import annotations
 
 import hashlib
-import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby, pairwise
+from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +23,7 @@ from seaglint.base.errors import BackendError, DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.formats.dataset import format_named
 from seaglint.formats.dataset.grey_pictures import Bits, PictureLevels, box_of, compressed, read_picture, write_picture
+from seaglint.formats.dataset.labelled_scene import LabelledScene
 from seaglint.formats.dataset.scene_records import (
     SPLITS,
     TRUTH_COLUMNS,
@@ -36,16 +36,11 @@ from seaglint.formats.dataset.scene_records import (
     Piece,
     known,
 )
-from seaglint.formats.object_labels import Label, Labels, run_lengths
+from seaglint.formats.object_labels import Label, run_lengths
 from seaglint.formats.tables.table_text import read_rows, require_parquet, write_parquet, write_rows
 from seaglint.objects.drawing.truth import LEAST_CLUTTER, SURROUND
 from seaglint.store.outputs import moved_when_whole, read_json, read_text, write_json, write_text
-from seaglint.store.sequence_store import open_sequence
-from seaglint.store.stored_images import count_line, pictures
 from seaglint.version import __version__
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 BLUR: Final = 2  #: Pixels around masks into which optics spread an object: left out of its surroundings.
 
@@ -79,60 +74,57 @@ class ConversionSettings:
     classes: Mapping[str, str]  #: Category of an object by its name; the default is its preset, or the kind of its shape.
 
 
-def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
+def convert(entry: Entry, scene: LabelledScene, settings: ConversionSettings) -> DatasetScene:
     """Write a scene's pictures, and its record last.
 
     Raises
     ------
     DataError
-        No finished sequence.
+        Pixels without a value.
     StorageError
         No room or no rights.
     """
     folder, form = Path(settings.folder), format_named(settings.format)
-    with open_sequence(entry.store) as dataset:
-        variable = pictures(dataset)
-        levels = _levels(variable, settings.bits, entry) if form.pictures else None
-        frames = [int(number) for number in dataset["frame"].to_numpy()]
-        times = [float(time) for time in dataset["time"].to_numpy()]
-        numbered = tuple(
-            DatasetFrame(f"{entry.name}_{frame:06d}", frame, round(time, 9)) for frame, time in zip(frames, times, strict=True)
-        )
-        scenario = json.loads(dataset.attrs["scenario"])
-        objects = scenario.get("objects") or []
-        for index, picture in enumerate(numbered):
-            if levels is not None:
-                about = {"scene": entry.name, "frame": picture.frame, "time_s": picture.time_s, **levels.attributes}
-                path = form.image_path(folder, entry.split, picture.name, settings.image)
-                write_picture(path, levels.of(variable[index].to_numpy()), about)
-        rows = tuple(_rows(Labels.of(entry.store), variable)) if objects else ()
-        part = DatasetScene(
-            scene=entry.name,
-            split=entry.split,
-            seed=int(dataset.attrs["seed"]),
-            shape=(int(variable.shape[1]), int(variable.shape[2])),
-            frame_rate_hz=float(scenario["sensor"]["frame_rate_hz"]),
-            levels=levels,
-            names=tuple(item["name"] for item in objects),
-            categories=tuple(category_of(item, settings.classes) for item in objects),
-            pictures=numbered,
-            rows=rows,
-            parameters=dict(entry.parameters),
-        )
-    # The record comes last: its presence marks the pictures of the scene as complete.
+    levels = _levels(scene, settings.bits) if form.pictures else None
+    numbered = tuple(
+        DatasetFrame(f"{entry.name}_{frame:06d}", frame, round(time, 9)) for frame, time in zip(scene.frames, scene.times, strict=True)
+    )
+    rows: list[DatasetObject] = []
+    for place, values, labels in scene.each():
+        picture = numbered[place]
+        if levels is not None:
+            about = {"scene": entry.name, "frame": picture.frame, "time_s": picture.time_s, **levels.attributes}
+            write_picture(form.image_path(folder, entry.split, picture.name, settings.image), levels.of(values), about)
+        rows += _rows(place, np.asarray(values, np.float64), labels, scene.line[0]) if labels else ()
+    objects = scene.scenario.get("objects") or []
+    part = DatasetScene(
+        scene=entry.name,
+        split=entry.split,
+        seed=scene.seed,
+        shape=scene.shape,
+        frame_rate_hz=float(scene.scenario["sensor"]["frame_rate_hz"]),
+        levels=levels,
+        names=tuple(item["name"] for item in objects),
+        categories=tuple(category_of(item, settings.classes) for item in objects),
+        pictures=numbered,
+        rows=tuple(rows),
+        parameters=dict(entry.parameters),
+    )
+    form.write_scene(folder, part)
+    # The record comes last: its presence marks the files of the scene as complete.
     part.write(folder)
     return part
 
 
-def _levels(variable: xr.DataArray, bits: Bits, entry: Entry) -> PictureLevels:
+def _levels(scene: LabelledScene, bits: Bits) -> PictureLevels:
     """Return levels that cover all frames of the scene."""
-    # Frame by frame, so that one frame at a time is in memory.
-    low = min(float(variable[i].min()) for i in range(variable.shape[0]))
-    high = max(float(variable[i].max()) for i in range(variable.shape[0]))
+    # Frame by frame, so that one frame of a store at a time is in memory.
+    least_and_most = [(float(values.min()), float(values.max())) for values in map(scene.image, range(len(scene.frames)))]
+    low, high = min(least for least, _ in least_and_most), max(most for _, most in least_and_most)
     if not np.isfinite([low, high]).all():
-        raise DataError(f"{entry.store}: its pictures have pixels without a value; render it again")
-    if variable.name == "signal":
-        return PictureLevels.of_counts(int(low), int(high), bits, count_line(variable))
+        raise DataError(f"{scene.source}: its pictures have pixels without a value; render it again")
+    if scene.variable == "signal":
+        return PictureLevels.of_counts(int(low), int(high), bits, scene.line)
     return PictureLevels.of_radiance(low, high, bits)
 
 
@@ -143,20 +135,14 @@ def category_of(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
     return str(classes.get(name) or (classes.get(drawn) if number.isdecimal() else None) or item.get("preset") or item["shape"]["kind"])
 
 
-def _rows(labels: Labels, variable: xr.DataArray) -> list[DatasetObject]:
-    """Return the truth of all frames."""
-    rows = []
-    slope, _ = count_line(variable)
-    for index, (_, group) in enumerate(groupby(labels, key=lambda label: label.frame)):
-        several = list(group)
-        values = np.asarray(variable[index].to_numpy(), np.float64)
-        spread = binary_dilation(np.logical_or.reduce([label.mask for label in several]), iterations=BLUR)
-        for label in several:
-            numbers = {name: known(value) for name, value in label.values.items()}
-            measured = local_contrast(values, label.mask, spread)
-            contrast, snr = (None, None) if measured is None else (measured[0] * slope, measured[1])
-            rows.append(DatasetObject(index, label.number, numbers, contrast, snr, tuple(pieces(label))))
-    return rows
+def _rows(place: int, values: NDArray[np.float64], labels: Sequence[Label], slope: float) -> Iterator[DatasetObject]:
+    """Yield the truth of a frame, whose counts have a radiance of ``slope`` each [W m-2 sr-1]."""
+    spread = binary_dilation(np.logical_or.reduce([label.mask for label in labels]), iterations=BLUR)
+    for label in labels:
+        numbers = {name: known(value) for name, value in label.values.items()}
+        measured = local_contrast(values, label.mask, spread)
+        contrast, snr = (None, None) if measured is None else (measured[0] * slope, measured[1])
+        yield DatasetObject(place, label.number, numbers, contrast, snr, tuple(pieces(label)))
 
 
 def pieces(label: Label) -> list[Piece]:

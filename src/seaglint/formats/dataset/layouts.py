@@ -21,7 +21,16 @@ from numpy.typing import NDArray
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.formats.dataset.grey_pictures import Bits, box_of, decoded, read_picture, write_picture
-from seaglint.formats.dataset.scene_records import SPLITS, Catalogue, DatasetFormat, DatasetFrame, DatasetObject, DatasetScene, Piece
+from seaglint.formats.dataset.scene_records import (
+    FOLDER,
+    SPLITS,
+    Catalogue,
+    DatasetFormat,
+    DatasetFrame,
+    DatasetObject,
+    DatasetScene,
+    Piece,
+)
 from seaglint.formats.tables.table_text import read_rows
 from seaglint.store.outputs import read_json, write_json, write_text
 
@@ -164,11 +173,14 @@ class Sirst(DatasetFormat):
     folders: ClassVar[tuple[str, ...]] = ("images", "masks", "img_idx")
 
     @classmethod
+    def write_scene(cls, folder: Path, part: DatasetScene) -> None:
+        """Write ``masks/NAME.png``."""
+        for name, mask in masks(part).items():
+            write_picture(folder / "masks" / f"{name}.png", np.where(mask, np.uint8(255), np.uint8(0)), {})
+
+    @classmethod
     def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
-        """Write ``masks/NAME.png`` and ``img_idx/SPLIT.txt``."""
-        for part in catalogue.parts:
-            for name, mask in masks(part).items():
-                write_picture(folder / "masks" / f"{name}.png", np.where(mask, np.uint8(255), np.uint8(0)), {})
+        """Write ``img_idx/SPLIT.txt``."""
         for split in SPLITS:
             names = [picture.name for part in catalogue.of_split(split) for picture in part.pictures]
             write_text("".join(f"{name}\n" for name in names), folder / "img_idx" / f"{split}.txt")
@@ -241,13 +253,18 @@ class Stores(DatasetFormat):
     pictures: ClassVar[bool] = False
 
     @classmethod
+    def store(cls, folder: Path, scene: str) -> Path:
+        """Return the place of a scene's store."""
+        return folder / "scenes" / f"{scene}.zarr"
+
+    @classmethod
     def placed(cls, folder: Path, entry: Entry) -> Entry:
-        """Copy a scene's store into the data set, whole or not at all."""
-        stored = _store(folder, entry.name)
+        """Copy a scene's store into the data set, whole or not at all; one that was rendered there stays."""
+        stored = cls.store(folder, entry.name)
         if not stored.exists():
             stored.parent.mkdir(parents=True, exist_ok=True)
-            # Renamed when whole: a copy that was interrupted is begun again.
-            fresh = stored.with_name(stored.name + ".partial")
+            # Renamed when whole: a copy that was interrupted is begun again, and what it left is removed with the records.
+            fresh = folder / FOLDER / stored.name
             if fresh.exists():
                 shutil.rmtree(fresh)
             shutil.copytree(Path(entry.store), fresh)
@@ -261,7 +278,7 @@ class Stores(DatasetFormat):
         from seaglint.store.sequence_store import open_sequence
         from seaglint.store.stored_images import pictures
 
-        with open_sequence(_store(folder, part.scene)) as dataset:
+        with open_sequence(cls.store(folder, part.scene)) as dataset:
             return np.asarray(pictures(dataset)[place].to_numpy())
 
     @classmethod
@@ -270,17 +287,13 @@ class Stores(DatasetFormat):
         from seaglint.store.sequence_store import open_sequence
 
         for scene, one in about["scenes"].items():
-            path = _store(folder, scene)
+            path = cls.store(folder, scene)
             try:
                 with open_sequence(path) as dataset:
                     if (dataset.sizes["time"], dataset.sizes["y"], dataset.sizes["x"]) != (len(one["images"]), one["height"], one["width"]):
                         yield f"{path.name}: has not the frames and pixels that dataset.json tells"
             except DataError as error:
                 yield str(error)
-
-
-def _store(folder: Path, scene: str) -> Path:
-    return folder / "scenes" / f"{scene}.zarr"
 
 
 class Yolo(DatasetFormat):

@@ -235,9 +235,18 @@ class DatasetFormat:
         return folder / "images" / f"{name}.{image}"
 
     @classmethod
+    def store(cls, folder: Path, scene: str) -> Path | None:
+        """Return the place of a scene's store in the data set's folder; None where the format keeps pictures alone."""
+        return None
+
+    @classmethod
     def placed(cls, folder: Path, entry: Entry) -> Entry:
         """Copy a scene into the data set's folder where the format keeps stores, and return the scene to convert."""
         return entry
+
+    @classmethod
+    def write_scene(cls, folder: Path, part: DatasetScene) -> None:
+        """Write the files of a scene other than its pictures that need no other scene."""
 
     @classmethod
     def picture(cls, folder: Path, part: DatasetScene, place: int, image: str) -> NDArray[np.generic]:
@@ -246,7 +255,7 @@ class DatasetFormat:
 
     @classmethod
     def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
-        """Write labels and lists of all scenes; ``about`` has the data set's ``title``, ``licence``, ``version`` and ``seed``."""
+        """Write labels and lists that need all scenes; ``about`` has the data set's ``title``, ``licence``, ``version`` and ``seed``."""
 
     @classmethod
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:

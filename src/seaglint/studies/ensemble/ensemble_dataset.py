@@ -14,22 +14,26 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.conventions import Progress
-from seaglint.base.errors import DataError, ScenarioError, StorageError
+from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.free_form import JsonObject
-from seaglint.cluster import Done, Job, ThisProcess, Workers
+from seaglint.cluster import Workers
 from seaglint.formats.dataset import dataset_writing, format_named
-from seaglint.formats.dataset.dataset_writing import ABOUT, ConversionSettings, convert, finish
+from seaglint.formats.dataset.dataset_writing import ABOUT, ConversionSettings, finish
 from seaglint.formats.dataset.grey_pictures import Bits, ImageKind
-from seaglint.formats.dataset.scene_records import FOLDER, Catalogue, DatasetScene, Entry, part_path, split_of
+from seaglint.formats.dataset.scene_records import FOLDER, Catalogue, DatasetScene, Entry, split_of
 from seaglint.scenario.ensemble_file import Ensemble, load_ensemble, read_toml
 from seaglint.scenario.records.ensemble_tables import Dataset
 from seaglint.store import outputs
 from seaglint.store.resumable_folder import ResumableFolder
-from seaglint.store.sequence_store import Interrupted, partial_path
+from seaglint.store.sequence_store import partial_path
 from seaglint.store.writers import exclusive
+from seaglint.studies.build.profile_air import report_air
+from seaglint.studies.build.scenario_physics import band
+from seaglint.studies.ensemble.dataset_scenes import SceneSettings, write_scenes
 from seaglint.studies.ensemble.ensemble_folder import MOST_LISTED, Folder, differences, ensemble_text
 from seaglint.studies.ensemble.label_outlook import report_weak
-from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
+from seaglint.studies.ensemble.render_ensemble import Rendering, draw, render_ensemble
+from seaglint.studies.sequence.memory import require_memory_of_all
 from seaglint.version import __version__
 
 SCENES: Final = ".ensemble"  #: Folder of the scenes' stores while a data set is made.
@@ -125,12 +129,13 @@ def make_dataset(
     options: DatasetOptions,
     scenes: Callable[[Path], Sequence[Entry]],
     *,
+    rendering: Rendering | None = None,
     workers: Workers | None = None,
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
-    """Make a data set of finished scenes, in ``output.partial`` until it is complete and checked.
+    """Make a data set of scenes, in ``output.partial`` until it is complete and checked.
 
     Parameters
     ----------
@@ -141,9 +146,11 @@ def make_dataset(
     options : DatasetOptions
         Format and pictures.
     scenes : callable
-        ``scenes(folder)`` gives the finished scenes; it may make them in ``folder``, which stays for ``resume`` and is removed at the end.
+        ``scenes(folder)`` gives the scenes of the data set in ``folder``, the unfinished one.
+    rendering : Rendering, optional
+        Folder of the drawn scenes, which are rendered as their pictures are written; without it all scenes have stores.
     workers : Workers, optional
-        Workers that write the scenes' pictures; this process by default. The bytes do not depend on it.
+        Workers that render and write the scenes; this process by default. The bytes do not depend on it.
     resume : bool
         Continue an unfinished data set. A complete one is left unchanged.
     overwrite : bool
@@ -174,9 +181,9 @@ def make_dataset(
             _give_name(partial, output)
             return output
         _begin(partial, made_from, plan.source)
-        entries = scenes(partial / SCENES)
+        entries = scenes(partial)
         settings = ConversionSettings(str(partial.absolute()), options.format, options.bits, options.image, dict(plan.table.classes))
-        _write_scenes(partial, entries, settings, workers, progress)
+        write_scenes(SceneSettings(settings, rendering), entries, Folder(partial / SCENES), workers, progress)
         parts = [DatasetScene.read(partial, entry.name) for entry in entries]
         catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.image, parts)
         table = plan.table
@@ -229,50 +236,6 @@ def _begin(partial: Path, made_from: JsonObject, source: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         outputs.write_json(made_from, path)
     outputs.write_text(source, partial / SOURCE)
-
-
-def _start(settings: ConversionSettings) -> Callable[[Entry], str]:
-    """Return the function of a worker that writes the pictures and the record of a scene and returns its name."""
-
-    def work(entry: Entry) -> str:
-        folder, form = Path(settings.folder), format_named(settings.format)
-        for name in form.folders:
-            (folder / name).mkdir(parents=True, exist_ok=True)
-        return convert(form.placed(folder, entry), settings).scene
-
-    return work
-
-
-def _write_scenes(
-    partial: Path, entries: Sequence[Entry], settings: ConversionSettings, workers: Workers | None, progress: Progress | None
-) -> None:
-    """Write the missing scenes."""
-    for name in format_named(settings.format).folders:
-        (partial / name).mkdir(parents=True, exist_ok=True)
-    missing = [entry for entry in entries if not part_path(partial, entry.name).is_file()]
-    done = len(entries) - len(missing)
-    failed: list[str] = []
-    report = progress or (lambda done, total: None)
-    report(done, len(entries))
-    job: Job[ConversionSettings, Entry, str] = Job(_start, settings)
-    try:
-        with outputs.stop_on_signal(at_once=workers is not None) as stopped, (workers or ThisProcess()).map(job, missing) as outcomes:
-            for outcome in outcomes:
-                if isinstance(outcome, Done):
-                    done += 1
-                    report(done, len(entries))
-                else:
-                    failed.append(f"scene {outcome.unit.name}: {outcome.error}")
-                if stopped:
-                    raise KeyboardInterrupt
-    except KeyboardInterrupt:
-        raise Interrupted(
-            f"stopped after {done} of {len(entries)} scenes, kept in {partial}; run the same again with resume=True"
-        ) from None
-    if failed:
-        error = StorageError if any("StorageError" in line for line in failed) else DataError
-        summary = f"{len(failed)} of {len(entries)} scenes failed; the others stay in {partial}; go on with resume=True"
-        raise error("\n".join([*failed[:20], summary]))
 
 
 def _give_name(partial: Path, output: Path) -> None:
@@ -340,7 +303,7 @@ def ensemble_dataset(
     resume, overwrite : bool
         Continue an unfinished data set, or replace an existing one.
     progress : callable, optional
-        Called with (scenes done, scenes in all) while they are rendered, or written where they are rendered already.
+        Called with (scenes done, scenes in all).
 
     Returns
     -------
@@ -364,27 +327,35 @@ def ensemble_dataset(
         names = f"; objects are {', '.join(sorted(own))}" if own else "; it has no objects"
         raise ScenarioError(f"{ensemble.name}: dataset.classes.{unknown[0]} names no object of the ensemble; correct the name{names}")
 
-    def rendered(place: Path) -> Sequence[Entry]:
+    form, folder = format_named(options.format), Folder(source.folder or partial_path(Path(output)) / SCENES)
+
+    def store(partial: Path, label: str) -> Path:
+        """Return the store of a scene: in the data set where it is rendered for a format that keeps stores."""
+        kept = form.store(partial, label) if source.folder is None else None
+        return (kept or folder.store(label)).absolute()
+
+    def scenes(partial: Path) -> Sequence[Entry]:
         if source.folder is None:
+            require_memory_of_all(scene.scenario for scene in drawn)
             if not resume:
                 report_weak(drawn)
-            folder = Folder(render_ensemble(ensemble, place, workers=workers, threads=threads, resume=True, progress=progress))
-        else:
-            folder = Folder(source.folder)
+            render_ensemble(ensemble, folder.path, resume=True, draw_only=True)
+            if workers is not None:
+                report_air(drawn[0].scenario, band(drawn[0].scenario))
         return [
-            Entry(scene.label, str(folder.store(scene.label).absolute()), split_of(seed, scene.number, table.split), scene.row)
-            for scene in drawn
+            Entry(scene.label, str(store(partial, scene.label)), split_of(seed, scene.number, table.split), scene.row) for scene in drawn
         ]
 
     return make_dataset(
         output,
         DatasetPlan(source.title, seed, table, ensemble_text(ensemble)),
         options,
-        rendered,
+        scenes,
+        rendering=Rendering(folder.path, threads) if source.folder is None else None,
         workers=workers,
         resume=resume,
         overwrite=overwrite,
-        progress=progress if source.folder is not None else None,
+        progress=progress,
     )
 
 
