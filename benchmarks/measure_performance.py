@@ -55,7 +55,7 @@ print(json.dumps({"ready": ready, "first": seconds[0], "frame": statistics.media
 
 MAP = """
 import json, statistics, time
-from seaglint.studies import prepare
+from seaglint.studies.build import scenario_physics as prepare
 from seaglint.radiance.mean_radiance import MeanModel
 from seaglint.scenario.load import parse_scenario
 scenario = parse_scenario({"sensor": {"pixels": [1024, 1024], "pixel_shape": "any"}})
