@@ -142,7 +142,7 @@ def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
     if model is None:
         return GaussianSpot(0.05), 1.0
     # At least as fine as the rendering, and fine enough for displacements within a pixel.
-    steps = max(model.oversampling, FINEST)
+    steps = max(model.finest, FINEST)
     steps += 1 - steps % 2  # an odd number has a fine pixel in the middle
     size = 2 * _AROUND + 1
     blur = _blur(model, size, steps, points=True)
