@@ -1,4 +1,4 @@
-"""What a sensor costs: a frame of 512 x 512 pixels, drawn three times finer, and the chain behind it."""
+"""What a sensor costs: frames behind optics against frames at the aperture, and a frame of 512 x 512 pixels drawn three times finer."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numba
 
 from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.presets import TABLES, with_sensor
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
@@ -30,6 +31,28 @@ def best(work: Callable[[int], object], repeats: int = 3) -> float:
     return min(times[1:])  # the first one compiles
 
 
+def processor(work: Callable[[int], object], repeats: int = 4) -> float:
+    """Shortest processor time of some calls with growing numbers [s]."""
+    times = []
+    for number in range(repeats + 1):
+        start = time.process_time()
+        work(number)
+        times.append(time.process_time() - start)
+    return min(times[1:])  # the first one compiles
+
+
+def beside_the_aperture(preset: str, pixels: tuple[int, int], projection: str, elevation_deg: float) -> tuple[int, float, float]:
+    """Fine pixels along a pixel, and processor time of a frame at the aperture and of one of counts [s], for a preset's sensor."""
+    numba.set_num_threads(1)
+    view = {"projection": projection, "azimuth_deg": 180.0, "elevation_deg": elevation_deg}
+    tables = with_sensor({"sun": {"zenith_deg": 70.0, "azimuth_deg": 180.0}, "sensor": view}, preset)
+    tables["sensor"]["pixels"] = list(pixels)
+    scenario = parse_scenario(tables)
+    bare = scenario.sensor.model_copy(update=dict.fromkeys(TABLES))
+    run, aperture = prepare_sensed(scenario), prepare_sequence(scenario.model_copy(update={"sensor": bare}))
+    return run.sensed.oversampling, processor(lambda k: aperture.at(k / 25.0)), processor(lambda k: run.images(k))
+
+
 def measured() -> tuple[float, float, float, float]:
     """Time of a coarse picture, of a finer one, of the focal plane and of the noise [s]."""
     numba.set_num_threads(1)
@@ -48,6 +71,14 @@ def measured() -> tuple[float, float, float, float]:
 
 def main() -> None:
     """Print the times."""
+    for preset in ("mwir-insb-640", "lwir-mct-640"):
+        for pixels in ((96, 80), (640, 512)):
+            for projection, elevation in (("equal-angle", 0.0), ("equal-angle", -6.0), ("pinhole", 0.0)):
+                n, aperture, sensed = beside_the_aperture(preset, pixels, projection, elevation)
+                what = f"{preset} {pixels[0]} x {pixels[1]} {projection} {elevation:g} deg, {n} x {n}"
+                print(
+                    f"{what}: aperture {aperture:.3f} s, sensed {sensed:.3f} s of processor time, {sensed / aperture:.2f} times", flush=True
+                )
     coarse_s, fine_s, plane_s, expose_s = measured()
     print(f"{PIXELS} x {PIXELS}: {coarse_s:.3f} s; {FINER} times finer: {fine_s:.3f} s, {fine_s / coarse_s:.2f} times that")
     share = 100 * (plane_s + expose_s) / fine_s

@@ -217,6 +217,15 @@ def sparkle_image(sparkle, camera: Camera, sun, variance: np.ndarray, time: floa
     return np.ascontiguousarray(images[:, 0, SUN_CHANNEL].T)
 
 
+@pytest.mark.parametrize("cell", [0.002, 1.0])
+def test_the_light_of_sparkles_stands_apart_where_pixels_have_many_cells(cell: float) -> None:
+    images = np.ones((CAMERA.columns, 1, FEWEST, CAMERA.rows))
+    sparkle_columns(sparkle_of(1, cell, TIME), sparkle_rows(CAMERA), SUN, CAMERA.azimuths, (0.0, 0.0), 1.0, images, (0, CAMERA.columns))
+    added = images[:, 0, SUN_CHANNEL] - 1.0
+    assert added.any()
+    np.testing.assert_array_equal(images[:, 0, SPREAD], added if cell < 0.1 else 0.0)
+
+
 @pytest.mark.parametrize(("chance", "left"), [(0.25, 3.0), (0.97, 1 / 0.97 - 1), (1.0, 0.0), (1.03, 0.0), (4.0, 0.0)])
 def test_facets_that_all_mirror_the_sun_do_not_sparkle(chance: float, left: float) -> None:
     """A patch is bright with probability P: variance L^2 (1/P - 1)/M, which never falls below zero where P is rounded above one."""

@@ -6,13 +6,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from sensors import camera, flat
 
 from seaglint.base.errors import DataError, DomainError
+from seaglint.instrument.chain import Drawn
 from seaglint.instrument.figures_of_merit import mtf, point_response, point_share
 from seaglint.instrument.noise import DetectorNoise
 from seaglint.instrument.optics import SensorOptics
-from seaglint.instrument.transfer import Sampling, Transfer, needed_oversampling
+from seaglint.instrument.transfer import FOLDED, Sampling, Transfer, folded_share, needed_oversampling
 from sensor_validation import edge_mtf, slanted_edge
 
 ANGLE = 5.0
@@ -149,8 +152,71 @@ def test_stray_light_and_cos4() -> None:
 
 def test_oversampling_that_the_cut_off_needs() -> None:
     # F/2 at 3.5 um: 143 cycles/mm; pixels of 15 um have their Nyquist frequency at 33.3.
-    assert camera().oversampling == needed_oversampling(150e-6, 0.05 / 3.5e-6) == 5
-    assert camera(optics=SensorOptics(0.025, 0.1)).oversampling == 3
+    assert camera().finest == needed_oversampling(150e-6, 0.05 / 3.5e-6) == 5
+    assert camera(optics=SensorOptics(0.025, 0.1)).finest == 3
+
+
+@st.composite
+def sensors(draw: st.DrawFn):
+    optics = SensorOptics(0.1 / draw(st.floats(1.0, 6.0)), 0.1, jitter=draw(st.sampled_from([0.0, 3e-5])))
+    return camera(optics=optics, fill_factor=draw(st.floats(0.5, 1.0)), crosstalk=draw(st.sampled_from([0.0, 0.04])))
+
+
+@given(model=sensors())
+@settings(max_examples=20, deadline=None, derandomize=True)
+def test_drawings_are_as_fine_as_the_folded_energy_needs(model) -> None:
+    shares = [folded_share(model.blur, model.sampling(1), n) for n in range(1, model.finest + 1)]
+    assert model.oversampling <= model.finest
+    assert all(share > FOLDED for share in shares[: model.oversampling - 1])
+    if model.oversampling < model.finest:
+        assert shares[model.oversampling - 1] <= FOLDED
+    assert shares == sorted(shares, reverse=True)
+
+
+@given(model=sensors(), seed=st.integers(0, 2**31))
+@settings(max_examples=4, deadline=None, derandomize=True)
+def test_independent_light_keeps_its_energy_and_a_field_of_means_has_the_stated_error(model, seed: int) -> None:
+    # Light without any correlation on a grid twelve times finer than the pixels, and its means on the coarser grid of a drawing.
+    n, finest, size, inside = model.oversampling, 12, 72, (slice(8, -8), slice(8, -8))
+    finest += -finest % n
+    random, pictures = np.random.default_rng(seed), []
+    for _ in range(3):
+        light = random.uniform(0.0, 2.0, (size * finest, size * finest)).astype(np.float32)
+        means = light.reshape(size * n, finest // n, size * n, finest // n).mean(axis=(1, 3))
+        drawings = ((light, finest, Drawn(light)), (means, n, Drawn(means)), (means, n, Drawn()))
+        pictures.append([model.focal_plane(fine, times, drawn=drawn)[inside] for fine, times, drawn in drawings])
+    exact, independent, continuous = (np.stack(some) for some in zip(*pictures, strict=True))
+    # Of 3 x 56 x 56 pixels a ratio of variances of the same light has a deviation of 0.5 to 1 %.
+    assert independent.var() / exact.var() == pytest.approx(1.0, abs=0.03)
+    for axis in (1, 2):
+        found, expected = (neighbours(picture, axis) for picture in (independent, exact))
+        assert found == pytest.approx(expected, abs=0.02)
+    error = folded_share(model.blur, model.sampling(1), n)
+    assert continuous.var() / exact.var() == pytest.approx((1.0 + error) ** 2, abs=0.04)
+
+
+def neighbours(picture: np.ndarray, axis: int) -> float:
+    """Correlation of neighbouring pixels along an axis."""
+    q = np.moveaxis(picture - picture.mean(), axis, 0).astype(float)
+    return float((q[1:] * q[:-1]).mean() / (q * q).mean())
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.3, 0.5])
+def test_the_squares_of_cells_under_a_picture_are_divided_out(offset: float) -> None:
+    """Waves on cells of half a fine pixel, averaged over pixels at some offset: within 2 % of their amplitude on the detector."""
+    model, n, size, parts = camera(optics=SensorOptics(0.05, 0.1)), 2, 48, 20
+    for cycles in (0.1, 0.25, 0.4):  # in a detector's pixel
+        edges = np.arange(2 * n * size + 2) / (2 * n)
+        cells = -np.diff(np.cos(2 * np.pi * cycles * edges)) / (2 * np.pi * cycles * np.diff(edges))
+        fine = np.repeat(cells, parts)[round(offset * parts) :][: 2 * n * size * parts].reshape(n * size, -1).mean(axis=1)
+        picture = np.broadcast_to(2.0 + fine, (n * size, n * size)).astype(np.float32)
+        seen = model.focal_plane(picture, n, drawn=Drawn(cells=model.ifov / (2 * n)))[size // 2].astype(float)
+        x = np.arange(size) + 0.5 + offset / (2 * n)
+        inside = slice(8, -8)
+        waves = np.stack([np.ones(size), np.sin(2 * np.pi * cycles * x), np.cos(2 * np.pi * cycles * x)], axis=1)[inside]
+        _, sine, cosine = np.linalg.lstsq(waves, seen[inside], rcond=None)[0]
+        expected = float(mtf(model, np.array([cycles / model.ifov]))["along"]["total"][0])
+        assert np.hypot(sine, cosine) == pytest.approx(expected, rel=0.04)
 
 
 @pytest.mark.parametrize(("value", "said"), [(np.nan, "not finite"), (np.inf, "not finite"), (-0.1, "negative")])

@@ -82,6 +82,9 @@ MOST_CACHED = (
     1 << 29
 )  #: Size of resampling weights that are cached from frame to frame [bytes]; beyond it they are computed for every frame.
 
+#: Cells of the sweep across a pixel of a picture that is drawn finer than the pixels that matter: four or more across those.
+CELLS_OF_FINER = 2
+
 NEAR_CIRCLE = np.radians(300.0)  #: Least range of azimuths for which the sweep's image covers the full circle [rad].
 
 
@@ -135,6 +138,7 @@ class TurnedScene:
     _view_at: Callable[[float], SeaView]
     _survey: AngleSurvey
     _whole: Levels  #: Sea in full detail, for views that are walked alone.
+    _finer: int = 1  #: Pixels along a side of the pixels that the accuracy settings refer to.
     _still: _AttitudePlan | None = None
     _heights: OrderedDict[float, _Height] = field(default_factory=OrderedDict)
 
@@ -149,6 +153,7 @@ class TurnedScene:
         accuracy: Accuracy | None = None,
         layers: Collection[str] = (),
         sparkles: Sparkles = NO_SPARKLES,
+        finer: int = 1,
     ) -> TurnedScene:
         """Prepare everything that does not depend on the instant.
 
@@ -158,6 +163,9 @@ class TurnedScene:
             ``view_at(height)`` is the :class:`~seaglint.facet.sea_view.SeaView` of a sensor height [m].
         imager, track, waves, accuracy, layers, sparkles
             See the attributes.
+        finer : int
+            As of :meth:`seaglint.imaging.upright_scene.SweptScene.prepare`. The pixels of a finer picture consist of
+            :data:`CELLS_OF_FINER` cells of the sweep, if the accuracy settings have more.
 
         Raises
         ------
@@ -169,7 +177,10 @@ class TurnedScene:
             require_dry(track.lowest, waves)
             whole = replace(whole, detail=Detail.of(waves, 1))
         nothing = AngleSurvey(None, 0.0, (0.0, 0.0))
-        empty = cls(imager, track, waves, accuracy or Accuracy(), names, sparkles, view_at, nothing, whole)
+        settings = accuracy or Accuracy()
+        if finer > 1:
+            settings = replace(settings, oversampling=min(settings.oversampling, CELLS_OF_FINER))
+        empty = cls(imager, track, waves, settings, names, sparkles, view_at, nothing, whole, finer)
         return empty._for(imager)
 
     def _for(self, imager: Imager) -> TurnedScene:
@@ -187,6 +198,12 @@ class TurnedScene:
     def pose(self) -> Pose:
         """Pose at the beginning of the track."""
         return self.track.at(float(self.track.time[0]))
+
+    @property
+    def cells(self) -> float:
+        """Side of the sweep's cells from which pixels are averaged [rad]; 0 where pixels are walked."""
+        grid, (first, last) = self._survey.grid, self._survey.walk_azimuths
+        return 0.0 if grid is None or first != last else grid.row_step
 
     @property
     def report(self) -> Mapping[str, Any]:
@@ -330,7 +347,13 @@ class TurnedScene:
         view, swept = self._view_at(at), None
         if grid is not None:
             swept = SweptScene.prepare(
-                view, replace(grid, height=at), self.waves, accuracy=self.accuracy.of_cells(), layers=self.layers, sparkles=self.sparkles
+                view,
+                replace(grid, height=at),
+                self.waves,
+                accuracy=self.accuracy.of_cells(),
+                layers=self.layers,
+                sparkles=self.sparkles,
+                finer=self._finer,
             )
         self._heights[at] = _Height(view, swept, partial(self._rays, view))
         while len(self._heights) > CACHED_HEIGHTS:

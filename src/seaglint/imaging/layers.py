@@ -19,7 +19,9 @@ TOTAL: Final = 0  #: Channel of all radiance [W m-2 sr-1].
 
 SUN: Final = 1  #: Mirrored Sun [W m-2 sr-1].
 
-SPREAD: Final = 2  #: Mean of the variances of sparkles below a pixel [W2 m-4 sr-2].
+#: Mean of the variances of sparkles below a pixel [W2 m-4 sr-2]; in a picture with sparkles the sunlight that those of many cells add to
+#: the mean over the facets [W m-2 sr-1].
+SPREAD: Final = 2
 
 EMITTED: Final = 3  #: Emission of the sea behind the path [W m-2 sr-1].
 
@@ -39,6 +41,9 @@ SKY: Final = 8  #: Plane of the mirrored sky, and of the sky itself: total radia
 
 LEAST_SEEN: Final = 1e-9  #: Least share of sea in a pixel that sees any; smaller ones are rounding.
 
+#: Layer for sensors, which no file has: the sunlight of sparkles less its mean over the facets, where neighbouring pixels are independent.
+SPARKLE: Final = "sparkle_radiance"
+
 _PLANES: Final = {
     "path_radiance": (PATH,),
     "emitted_radiance": (EMITTED,),
@@ -49,9 +54,10 @@ _PLANES: Final = {
     "slope": (SLOPE, COVERAGE),
     "glint_share": (),
     "object_id": (),
+    SPARKLE: (SPREAD,),
 }
 
-LIT: Final = frozenset({"glint_radiance", "glint_share", "object_id"})  #: Layers that need only the channels of every frame.
+LIT: Final = frozenset({"glint_radiance", "glint_share", "object_id", SPARKLE})  #: Layers that need only the channels of every frame.
 
 
 class Layers(Mapping[str, NDArray[np.float32]]):
@@ -97,9 +103,9 @@ def require_layers(names: Collection[str]) -> tuple[str, ...]:
         A name that is not the name of a layer.
     """
     for name in names:
-        if name not in LAYERS:
+        if name not in LAYERS and name != SPARKLE:
             raise DomainError(f"layer '{name}' is not one of {', '.join(LAYERS)}; leave it out or give one of them")
-    return tuple(name for name in LAYERS if name in names)
+    return tuple(name for name in (*LAYERS, SPARKLE) if name in names)
 
 
 def channels_for(names: Collection[str]) -> int:

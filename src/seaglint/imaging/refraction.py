@@ -25,7 +25,7 @@ from seaglint.base.conventions import FloatArray, depression_of_range, horizon_d
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager, pixels_of
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
+from seaglint.imaging.layers import LEAST_SEEN, SPARKLE, Layers, share_of_glint
 from seaglint.imaging.scene import Instant, image
 from seaglint.imaging.upright_scene import SweptScene
 from seaglint.optics.blackbody import planck_wavenumber
@@ -269,7 +269,7 @@ def _grid(camera: Camera, top: float, step: float, rows: int) -> Camera:
 
 
 #: Layers of light, which more air in front of the sea weakens.
-RADIANCES: Final = ("radiance", "path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance")
+RADIANCES: Final = ("radiance", "path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", SPARKLE)
 
 MEANS: Final = ("range", "slope")  #: Layers that are means over the visible sea in a pixel.
 

@@ -93,8 +93,10 @@ class Levels:
         return cls(Detail.calm(), np.zeros(1), np.zeros(1), np.full(1, np.inf), np.empty(0))
 
     @classmethod
-    def of(cls, waves: WaveField, camera: Camera, accuracy: Accuracy, last: float, first: float = 0.0) -> Levels:
+    def of(cls, waves: WaveField, camera: Camera, accuracy: Accuracy, last: float, first: float = 0.0, finer: int = 1) -> Levels:
         """Return the levels that begin before the arc ``last`` [m]; of those that end before ``first``, the finest alone.
+
+        ``finer``: columns that are drawn for each column of the camera; lines split in these.
 
         Raises
         ------
@@ -105,7 +107,7 @@ class Levels:
         every = Detail.of(waves, None if accuracy.shortest_wave_columns > 0.0 else 1)
         shortest = np.array([level.shortest_wave for level in every.levels])
         plan = _averaged_plan if averages(camera, accuracy) else _plan
-        begins, chosen, widths, parts = plan(every, shortest, camera, accuracy, last)
+        begins, chosen, widths, parts = plan(every, shortest, camera, accuracy, last, finer)
         ends = np.append(begins[1:], np.inf)
         used = (begins < last) & (ends > first)
         used[0] = True
@@ -212,9 +214,9 @@ class _Pixels(NamedTuple):
         allowed = (width * accuracy.shortest_wave_columns >= shortest[:, None]) | (np.arange(shortest.size) == 0)[:, None]
         return cls(arcs, width, bands, waves, shown, lost, allowed)
 
-    def gained(self, doublings: int) -> FloatArray:
+    def gained(self, lines: int) -> FloatArray:
         """Return the share by which lines farther apart than waves overestimate the variance of pixels at each level."""
-        again = self.shown * np.maximum(_LINES_PER_WAVE * self.width / (self.waves * (1 << doublings)) - 1.0, 0.0)
+        again = self.shown * np.maximum(_LINES_PER_WAVE * self.width / (self.waves * lines) - 1.0, 0.0)
         return np.asarray(np.cumsum(again[::-1], axis=0)[::-1])
 
 
@@ -228,7 +230,7 @@ def _splits(arcs: FloatArray, doublings: NDArray[np.int64]) -> FloatArray:
     return np.array([float(arcs[np.argmax(doublings >= k)]) for k in range(1, int(doublings[-1]) + 1)])
 
 
-def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> _Plan:
+def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float, finer: int) -> _Plan:
     """Return levels and lines at the least cost for the accuracy, without averages.
 
     Lines farther apart than ``L`` overestimate a band by the ratio of their distance to ``L``.
@@ -237,7 +239,7 @@ def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accura
     arcs, lost, most = pixels.arcs, pixels.lost, accuracy.variance_error
     best, chosen = np.full(arcs.size, np.inf), np.zeros((2, arcs.size), np.int64)
     for doublings in range(accuracy.lines_per_column.bit_length()):
-        gained = pixels.gained(doublings)
+        gained = pixels.gained(1 << doublings)
         for level in range(shortest.size):
             error, allowed = np.abs(gained[level] - lost[level]), pixels.allowed[level]
             good = allowed & (error <= most) & (lost[level] <= 3.0 * most)
@@ -248,10 +250,11 @@ def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accura
     # outwards, waves are only ever omitted and lines only ever split
     levels, lines = np.maximum.accumulate(chosen, axis=1)
     begins = np.array([0.0] + [float(arcs[np.argmax(levels >= k)]) if levels[-1] >= k else np.inf for k in range(1, shortest.size)])
-    return begins, np.arange(shortest.size), np.zeros(shortest.size), _splits(arcs, lines)
+    # the lines of a column are divided among the columns drawn for it, rounded up to a power of two
+    return begins, np.arange(shortest.size), np.zeros(shortest.size), _splits(arcs, lines)[finer.bit_length() - 1 :]
 
 
-def _averaged_plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> _Plan:
+def _averaged_plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float, finer: int) -> _Plan:
     """Return levels of seas averaged across the line of sight, where one line would sample the waves of a column too coarsely.
 
     Lines split only where an average over their distance would remove much of a level's slopes: groups of waves change the mean of a pixel
@@ -263,13 +266,13 @@ def _averaged_plan(detail: Detail, shortest: FloatArray, camera: Camera, accurac
     visible = (arcs < horizon_range(camera.height)) & (to_horizon > LAST_SHARE * camera.row_step)
     good = pixels.allowed & (pixels.lost <= 3.0 * most)
     level = np.maximum.accumulate(np.max(np.where(good, np.arange(shortest.size)[:, None], 0), axis=0))
-    coarse = np.maximum.accumulate(pixels.gained(0)[level, np.arange(arcs.size)] > most)
-    doublings = np.zeros(arcs.size, np.int64)
+    coarse = np.maximum.accumulate(pixels.gained(finer)[level, np.arange(arcs.size)] > most)
+    width, doublings = AVERAGED_WIDTH * pixels.width / finer, np.zeros(arcs.size, np.int64)
     for k in range(accuracy.lines_per_column.bit_length() - 1):
-        removed = _removed(pixels, level, AVERAGED_WIDTH * pixels.width / (1 << k))
+        removed = _removed(pixels, level, width / (1 << k))
         doublings[coarse & visible & (removed > AVERAGED_SHARE)] = k + 1
     doublings = np.maximum.accumulate(doublings)
-    wanted = WIDTHS_PER_OCTAVE * np.log2(AVERAGED_WIDTH * pixels.width / (1 << doublings))
+    wanted = WIDTHS_PER_OCTAVE * np.log2(width / (1 << doublings))
     # the same widths for any view: numbers of a fixed series
     number = np.where(coarse, np.floor(wanted + 0.5), -np.inf)
     change = np.concatenate([[True], (np.diff(level) != 0) | (number[1:] != number[:-1])])

@@ -48,6 +48,8 @@ MOST_CELLS = 10.0
 #: Half of the extra cells of a random box: over n cells in a row it has the variance of n + 1/3 independent ones (1/n - 1/(3 n^2)).
 BORDER = 1.0 / 6.0
 
+INDEPENDENT = 3.0  #: Number of cells in either direction from which on neighbouring pixels of a sensor's picture are independent.
+
 COMPONENTS = 2  #: Number of independent parts of a pixel of many cells; it changes in steps of half its fluctuation.
 
 SECTORS = 64  #: Number of lattice directions in a full circle; a pixel is then at most 2.8 deg from one.
@@ -368,15 +370,16 @@ def sparkle_column(
     """Apply sparkles to the mirrored Sun of a column and its intervals, ``images`` (1 or more, channels, rows).
 
     The factor of a row is computed from the whole image ``images[0]`` and applied to all images. ``origin`` is the sensor's foot in the
-    sea's coordinates, east and north [m].
+    sea's coordinates, east and north [m]. The variance :data:`SPREAD` is replaced by the light that sparkles add to pixels of many cells.
     """
     if sparkle.cell <= 0.0:
         return
     east, north = math.sin(azimuth), math.cos(azimuth)
     along_sight = heading(azimuth)
     for row in range(images.shape[2]):
-        solar = images[0, SUN, row]
-        if solar > 0.0 and images[0, SPREAD, row] > 0.0:
+        solar, variance = images[0, SUN, row], images[0, SPREAD, row]
+        images[:, SPREAD, row] = 0.0
+        if solar > 0.0 and variance > 0.0:
             sine = rows.grazing[row]
             cosine = math.sqrt(1.0 - sine * sine)
             there = sunlight_at(sun, east, north, rows.range_m[row])
@@ -385,11 +388,14 @@ def sparkle_column(
             stretch = twice / ((sine + there.up) * sine)
             place = (origin[0] + rows.range_m[row] * east, origin[1] + rows.range_m[row] * north)
             footprint = (rows.along[row], rows.reach[row] * rows.column_step)
-            factor = sparkle_factor(sparkle, place, along_sight, footprint, stretch, images[0, SPREAD, row] / (solar * solar), time)
+            factor = sparkle_factor(sparkle, place, along_sight, footprint, stretch, variance / (solar * solar), time)
+            many = footprint[0] > INDEPENDENT * sparkle.cell * stretch and footprint[1] > INDEPENDENT * sparkle.cell
             for part in range(images.shape[0]):
                 solar = images[part, SUN, row]
                 images[part, TOTAL, row] += solar * (factor - 1.0)
                 images[part, SUN, row] = solar * factor
+                if many:
+                    images[part, SPREAD, row] = solar * (factor - 1.0)
 
 
 @njit

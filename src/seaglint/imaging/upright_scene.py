@@ -78,6 +78,7 @@ class SweptScene:
     _prepared_for: Camera
     _levels: Levels
     _tables: Swept | None  #: Tables of the kernels; None where no sea can be seen.
+    _row: float  #: Height of the pixels that the accuracy settings refer to [rad].
 
     @classmethod
     def prepare(
@@ -89,8 +90,12 @@ class SweptScene:
         accuracy: Accuracy | None = None,
         layers: Collection[str] = (),
         sparkles: Sparkles = NO_SPARKLES,
+        finer: int = 1,
     ) -> SweptScene:
         """Prepare everything that does not change in time.
+
+        ``finer``: pixels of the camera along a side of the pixels that the accuracy settings refer to. A picture that is averaged over
+        ``finer x finer`` pixels, or blurred as much, needs the waves, the lines of sight and the pieces of a row of the larger pixels.
 
         Raises
         ------
@@ -103,7 +108,7 @@ class SweptScene:
             raise DomainError(
                 f"camera at {camera.height:g} m, but the view is made for {view.sensor_height:g} m; give both the same height"
             )
-        levels, arcs = Levels.calm(), np.empty(0)
+        levels, arcs, planned = Levels.calm(), np.empty(0), _coarser(camera, finer)
         if waves is None:
             doublings = calm_doublings(camera.column_step / view.glint_width, fine.lines_per_column)
             fine, levels = replace(fine, lines_per_column=1 << doublings), replace(levels, parts=np.zeros(doublings))
@@ -112,10 +117,10 @@ class SweptScene:
             require_dry(camera.height, waves)
             limits = sea_limits(camera, fine.crest * waves.significant_height)
             first, last = limits if limits is not None else (0.0, 0.0)
-            levels = Levels.of(waves, camera, fine, last, first)
+            levels = Levels.of(waves, planned, fine, last, first, finer)
             if limits is not None:
-                arcs = graded_ranges(*limits, levels.begins, levels.steps, camera.height, camera.row_step)
-        empty = cls(view, camera, waves, fine, names, sparkles, camera, levels, None)
+                arcs = graded_ranges(*limits, levels.begins, levels.steps, camera.height, planned.row_step)
+        empty = cls(view, camera, waves, fine, names, sparkles, camera, levels, None, planned.row_step)
         return replace(empty, _tables=empty._tabled(arcs)) if arcs.size > 1 else empty
 
     @property
@@ -333,7 +338,7 @@ class SweptScene:
         stage = stages(arcs, levels.begins, levels.parts)
         march, highest = self._shadows(sun)
         walk = Walk(arcs, camera.height, *sight_lines(arcs, camera.height), path, every, stage, march)
-        merging = Merging(self.accuracy.merged_spread, CELLS_PER_ROW / camera.row_step, highest)
+        merging = Merging(self.accuracy.merged_spread, CELLS_PER_ROW / self._row, highest)
         return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0], merging)
 
     def _domains(self, arcs: FloatArray) -> list[FacetDomain]:
@@ -373,6 +378,13 @@ class SweptScene:
         rays = shadow > fine.negligible_shadow
         highest = np.where(rays, np.where(shadow < RARE_SHADOW, -SHADOW_GRAZING * rms, -np.inf), np.inf)
         return np.stack([np.where(rays, levels.steps, 0.0), fine.steepest_rise * rms], axis=1), highest
+
+
+def _coarser(camera: Camera, times: int) -> Camera:
+    """Return the grid with pixels of ``times`` the side, to a whole number of them."""
+    if times == 1:
+        return camera
+    return replace(camera, columns=max(round(camera.columns / times), 1), rows=max(round(camera.rows / times), 1))
 
 
 def calm_doublings(width: float, most: int) -> int:

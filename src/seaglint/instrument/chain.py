@@ -20,7 +20,15 @@ from seaglint.instrument.detector import FULL_SCALE_TEMPERATURE, PhotonPixels, R
 from seaglint.instrument.noise import DetectorNoise, Pattern, temporal_noise
 from seaglint.instrument.optics import Blur, SensorOptics, cos4_falloff, distorted_places
 from seaglint.instrument.photons import Photons
-from seaglint.instrument.transfer import BYTES_PER_FINE_PIXEL, Sampling, Transfer, isolated, needed_oversampling, padded_shape
+from seaglint.instrument.transfer import (
+    BYTES_PER_FINE_PIXEL,
+    Sampling,
+    Transfer,
+    isolated,
+    needed_oversampling,
+    padded_shape,
+    sufficient_oversampling,
+)
 
 CACHED: Final = 4  #: Number of transfers of different sizes or smears that are cached.
 
@@ -40,6 +48,16 @@ class Exposure:
     def saturated_share(self) -> float:
         """Share of the pixels that are saturated [1]."""
         return self.saturated / self.signal.size
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """What a sensor must know about a picture of this program besides its radiance."""
+
+    #: Sunlight in the radiance that is independent from pixel to pixel (:data:`seaglint.imaging.layers.SPARKLE`) [W m-2 sr-1, (rows,
+    #: columns)]; None of a picture whose layers are not known.
+    sparkle: NDArray[np.float32] | None = None
+    cells: float = 0.0  #: Side of the cells from which its pixels were averaged [rad]; 0 for none.
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,9 +92,17 @@ class SensorModel:
         return Blur.of(self.optics, *self.photons.spectrum)
 
     @cached_property
-    def oversampling(self) -> int:
-        """Fine pixels along a pixel's side that the optics' cut-off at the shortest wavelength requires."""
+    def finest(self) -> int:
+        """Fine pixels along a pixel's side that resolve the optics' cut-off at the shortest wavelength."""
         return needed_oversampling(self.ifov, self.optics.cutoff(1e-6 * self.photons.band.min_um))
+
+    @cached_property
+    def oversampling(self) -> int:
+        """Fine pixels along a pixel's side in drawings: the fewest with little folded energy, at most :attr:`finest`.
+
+        See :func:`~seaglint.instrument.transfer.sufficient_oversampling`.
+        """
+        return sufficient_oversampling(self.blur, self.sampling(1), self.finest)
 
     @cached_property
     def readout(self) -> Readout:
@@ -118,21 +144,27 @@ class SensorModel:
         drift = self.optics.drift
         return (drift[0] + rates[0]) * self.exposure_time, (drift[1] + rates[1]) * self.exposure_time
 
-    def sampling(self, oversampling: int, rates: tuple[float, float] = (0.0, 0.0), *, points: bool = False) -> Sampling:
+    def sampling(self, oversampling: int, rates: tuple[float, float] = (0.0, 0.0), *, points: bool = False, cells: float = 0.0) -> Sampling:
         """Return the sampling of pictures that are ``oversampling`` times finer, with the line of sight moving at ``rates`` [rad s-1].
 
-        ``points``: True for values that are light without extent, in the middle of the fine pixels.
+        ``points`` and ``cells`` as in :class:`~seaglint.instrument.transfer.Sampling`.
         """
         detector = self.detector
         share = detector.crosstalk if isinstance(detector, PhotonPixels) else 0.0
         width = detector.active_width / self.optics.focal_length
-        return Sampling(self.ifov, width, oversampling, share, self.smear(rates), self.circle, points)
+        return Sampling(self.ifov, width, oversampling, share, self.smear(rates), self.circle, points, cells)
 
     def transfer(
-        self, shape: tuple[int, int], oversampling: int, rates: tuple[float, float] = (0.0, 0.0), *, points: bool = False
+        self,
+        shape: tuple[int, int],
+        oversampling: int,
+        rates: tuple[float, float] = (0.0, 0.0),
+        *,
+        points: bool = False,
+        cells: float = 0.0,
     ) -> Transfer:
         """Return blur and sampling of fine pictures of ``shape`` (rows, columns), with :meth:`sampling`; the latest are cached."""
-        key = (self.sampling(oversampling, rates, points=points), shape)
+        key = (self.sampling(oversampling, rates, points=points, cells=cells), shape)
         cached = self._transfers.get(key)
         if cached is None:
             cached = self._transfers[key] = Transfer.of(self.blur, key[0], shape)
@@ -153,7 +185,7 @@ class SensorModel:
         rates: tuple[float, float] = (0.0, 0.0),
         added: NDArray[np.float32] | None = None,
         *,
-        drawn: bool = False,
+        drawn: Drawn | None = None,
     ) -> NDArray[np.float32]:
         """Return the radiance on each pixel: blurred, distorted and vignetted.
 
@@ -168,9 +200,9 @@ class SensorModel:
         added : ndarray, optional
             Radiance added on the pixels, already blurred and distorted (:mod:`seaglint.instrument.local_light`), before stray light and
             vignetting [W m-2 sr-1, (rows, columns)]; for single pictures.
-        drawn : bool
-            True for a picture of this program, in which each fine pixel is the mean of a scene over it. In any other picture, isolated
-            light of a fine pixel (:func:`~seaglint.instrument.transfer.isolated`) is taken as a point in its middle.
+        drawn : Drawn, optional
+            For a picture of this program, in which each fine pixel is the mean of a scene over it. In any other picture, isolated light of
+            a fine pixel (:func:`~seaglint.instrument.transfer.isolated`) is taken as a point in its middle.
 
         Returns
         -------
@@ -188,16 +220,20 @@ class SensorModel:
             return np.stack([self.focal_plane(picture, oversampling, rates, drawn=drawn) for picture in radiance])
         require_radiance(radiance)
         optics = self.optics
-        if optics.distortion:
-            places = distorted_places((radiance.shape[0], radiance.shape[1]), optics.distortion)
-            radiance = map_coordinates(radiance, places, order=1, mode="nearest").astype(np.float32)
         shape = (radiance.shape[0], radiance.shape[1])
-        isolated_light = None if drawn else isolated(radiance)
-        if isolated_light is not None and isolated_light.any():
-            points = self.transfer(shape, oversampling, rates, points=True)(isolated_light)
-            out = self.transfer(shape, oversampling, rates)(radiance - isolated_light) + points
+        apart, cells = (None, 0.0) if drawn is None else (drawn.sparkle, drawn.cells)
+        if optics.distortion:
+            places = distorted_places(shape, optics.distortion)
+            radiance = map_coordinates(radiance, places, order=1, mode="nearest").astype(np.float32)
+            if apart is not None:
+                apart = map_coordinates(apart, places, order=1, mode="nearest").astype(np.float32)
+        if drawn is None:
+            apart = isolated(radiance)
+        if apart is not None and apart.any():
+            points = self.transfer(shape, oversampling, rates, points=True, cells=cells)(apart)
+            out = self.transfer(shape, oversampling, rates, cells=cells)(radiance - apart) + points
         else:
-            out = self.transfer(shape, oversampling, rates)(radiance)
+            out = self.transfer(shape, oversampling, rates, cells=cells)(radiance)
         if added is not None:
             out = out + added
         if optics.stray_share:

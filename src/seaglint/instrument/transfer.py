@@ -14,7 +14,7 @@ with the width ``w`` of the sensitive square and ``c`` of a fine pixel. At a fil
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -31,6 +31,12 @@ from seaglint.instrument.optics import Blur, jitter_mtf, motion_mtf
 MARGIN: Final = 8  #: Least number of pixels by which the picture's border is continued.
 
 MOST_OVERSAMPLING: Final = 15  #: Largest number of fine pixels along a side of a detector's pixel.
+
+#: Largest share of folded and lost energy along each side of a pixel, of a scene of equal energy at all frequencies.
+#:
+#: A picture of means over fine pixels that resolves the optics' cut-off exactly folds up to this share (optics whose cut-off is half a
+#: cycle in a pixel). Of a scene whose energy falls with the frequency, as that of waves does, a tenth of this share is folded.
+FOLDED: Final = 1.0 / 16.0
 
 AIRY_RINGS: Final = 6.0  #: Margin in units of the blur's diameter (wavelength times f-number).
 
@@ -58,10 +64,13 @@ class Sampling:
     crosstalk: float = 0.0  #: Share that goes to the four neighbours [1].
     smear: tuple[float, float] = (0.0, 0.0)  #: Steady movement of the line of sight during an exposure, along rows and across them [rad].
     circle: bool = False  #: True for a picture of a full circle, whose first column follows its last.
-    points: bool = False  #: True for values that are light without extent in the middle of pixels; False for means over pixels.
+    #: True for values that are light without extent in the middle of pixels, or independent of their neighbours; False for means over
+    #: pixels of a field that is continuous.
+    points: bool = False
+    cells: float = 0.0  #: Side of the cells from which the picture's pixels were averaged [rad]; 0 for a picture that was drawn in them.
 
 
-def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatArray, grain: float = 0.0) -> FloatArray:
+def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatArray, grain: tuple[float, ...] = ()) -> FloatArray:
     """Return the transfer from the radiance at the aperture to the pixels [1]: optics, sensitive square, crosstalk and movement.
 
     Pictures, MTF, the response to a point and NEI all use this function.
@@ -74,8 +83,8 @@ def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatA
         Pixels, crosstalk and movement.
     along, across : ndarray
         Frequencies along rows and across them, which broadcast [cycles rad-1].
-    grain : float
-        Angle of the pixels of a picture of means over them [rad]; their blur is divided out.
+    grain : tuple of float
+        Sides of the squares over which values of a picture are means [rad]; their blur is divided out.
 
     Returns
     -------
@@ -86,8 +95,11 @@ def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatA
     total = np.asarray(np.interp(np.hypot(along, across), frequency, table, right=0.0))
     if sampling.crosstalk:
         total *= crosstalk_mtf(along, across, sampling.crosstalk, sampling.step)
-    sides = [square_mtf(f, sampling.width) / square_mtf(f, grain) for f in (along, across)]
-    total *= sides[0] * sides[1]
+    for f in (along, across):
+        side = square_mtf(f, sampling.width)
+        for width in grain:
+            side = side / square_mtf(f, width)
+        total *= side
     if any(sampling.smear):
         total *= motion_mtf(along * sampling.smear[0] + across * sampling.smear[1], 1.0)
     if blur.jitter_apart:
@@ -127,6 +139,33 @@ def needed_oversampling(step: float, cutoff: float) -> int:
     9
     """
     return int(min(max(math.ceil(2.0 * step * cutoff * (1.0 - 1e-9)), 1), MOST_OVERSAMPLING))
+
+
+def folded_share(blur: Blur, sampling: Sampling, oversampling: int) -> float:
+    r"""Return the error of the energy on the pixels from a drawing with ``oversampling`` columns or rows in a pixel [1].
+
+    The scene has equal energy at all frequencies. Means over fine pixels of side ``c`` fold it onto lower frequencies, where the blur of
+    the means is divided out; frequencies beyond half of the drawing's are lost:
+
+    .. math:: \frac{\int_{|f|<1/2c} |H|^2 (\mathrm{sinc}^{-2}(f c) - 1)\,df + \int_{|f|>1/2c} |H|^2\,df}{\int |H|^2\,df}
+
+    with the transfer ``H`` of the sensor, integrated over the frequencies across.
+    """
+    highest = float(blur.table()[0][-1])
+    f = (np.arange(_FREQUENCIES) + 0.5) / _FREQUENCIES * highest
+    energy = (sensor_mtf(blur, replace(sampling, smear=(0.0, 0.0)), f[None, :], f[:, None]) ** 2).sum(axis=0)
+    turns = f * sampling.step / oversampling
+    seen = turns < 0.5
+    folded = energy[seen] @ (1.0 / np.sinc(turns[seen]) ** 2 - 1.0)
+    return float((folded + energy[~seen].sum()) / energy.sum())
+
+
+_FREQUENCIES: Final = 512  #: Number of frequencies along each axis for :func:`folded_share`, up to the cut-off.
+
+
+def sufficient_oversampling(blur: Blur, sampling: Sampling, most: int) -> int:
+    """Return the least number of fine pixels along a side of a pixel, up to ``most``, whose :func:`folded_share` is :data:`FOLDED`."""
+    return next((n for n in range(1, most) if folded_share(blur, sampling, n) <= FOLDED), most)
 
 
 def require_divides(shape: tuple[int, int], oversampling: int) -> tuple[int, int]:
@@ -197,8 +236,12 @@ class Transfer:
         before = (margin[0], 0 if sampling.circle else margin[1])
         x = scipy.fft.rfftfreq(n * columns, step / n)
         y = scipy.fft.fftfreq(n * rows, step / n)
-        # the picture already contains the mean over a fine pixel
-        total = sensor_mtf(blur, sampling, x[None, :], y[:, None], 0.0 if sampling.points else step / n)
+        # means over fine pixels, and of cells: as they were drawn (not of points), and as squares under the pixels
+        drawn = sampling.cells or step / n
+        grain = () if sampling.points else (drawn,)
+        if sampling.cells:
+            grain = (*grain, sampling.cells, step / n)
+        total = sensor_mtf(blur, sampling, x[None, :], y[:, None], grain)
         # the middle of a pixel is (n - 1) / 2 fine pixels behind the middle of its first fine pixel
         middle = 0.5 * (n - 1) * step / n
         phase = np.exp(2j * np.pi * x * middle)[None, :] * np.exp(2j * np.pi * y * middle)[:, None]

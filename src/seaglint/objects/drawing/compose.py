@@ -30,7 +30,7 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_range
 from seaglint.imaging.camera.imager import Attitude, pixels_of
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
+from seaglint.imaging.layers import LEAST_SEEN, SPARKLE, Layers, share_of_glint
 from seaglint.imaging.refraction import RefractedScene
 from seaglint.objects.body import PointSource
 from seaglint.objects.drawing.draw import Drawer, DrawnBodies, PixelPatch, Stage, solid_angles
@@ -325,6 +325,8 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
     out = {name: image.copy() for name, image in layers.items()}
     for name in ("radiance", "glint_radiance"):
         out[name][touched] = np.maximum(out[name] - lost, 0.0)[touched]
+    if SPARKLE in out:
+        out[SPARKLE][touched] *= (1.0 - share)[touched].astype(np.float32)
     if "glint_share" in out:
         out["glint_share"][touched] = share_of_glint(out["glint_radiance"], out["radiance"])[touched]
     return Layers(out)

@@ -17,6 +17,7 @@ from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.figures_of_merit import point_response
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.object_tables import Object
+from seaglint.studies.build.sensor_model import sensor_model
 from seaglint.studies.detect.scene_frames import IndependentSeas, sea_seed
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.scene_objects import DrawnImage
@@ -142,7 +143,7 @@ def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
     if model is None:
         return GaussianSpot(0.05), 1.0
     # At least as fine as the rendering, and fine enough for displacements within a pixel.
-    steps = max(model.oversampling, FINEST)
+    steps = max(model.finest, FINEST)
     steps += 1 - steps % 2  # an odd number has a fine pixel in the middle
     size = 2 * _AROUND + 1
     blur = _blur(model, size, steps, points=True)
@@ -233,11 +234,12 @@ def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
     # Over the mean sea: waves that are geometry would hide some of the object.
     calm = alone.model_copy(update={"sea": scenario.sea.model_copy(update={"resolve_waves": False})})
     if calm.sensor.senses:
+        if scenario.render.oversampling is None:
+            # A shape resolves the optics' cut-off; fewer than three steps to a pixel do not give one that can be displaced within it.
+            drawn_finer = plain.model_copy(update={"oversampling": max(sensor_model(scenario).finest, 3)})
+            calm = calm.model_copy(update={"render": drawn_finer})
         sensed = prepare_sensed(calm)
         sequence, steps, model = sensed.fine, sensed.sensed.oversampling, sensed.sensed.model
-        # Fewer than three steps to a pixel do not give a shape that can be displaced within it.
-        if steps < 3 and scenario.render.oversampling is None:
-            return object_signal(scenario.model_copy(update={"render": scenario.render.model_copy(update={"oversampling": 3})}), name)
     else:
         steps, model = 3, None
         columns, rows = calm.sensor.pixels

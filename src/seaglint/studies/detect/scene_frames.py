@@ -6,12 +6,11 @@ import hashlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
@@ -20,13 +19,14 @@ from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
 from seaglint.detection.interface import Frames
 from seaglint.detection.sources import Counting, PlainFrames
+from seaglint.imaging.layers import Layers
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.detector import PhotonPixels
 from seaglint.scenario.model import Scenario
 from seaglint.store.detection_results import keep_sea, sea_path, whole_sea
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 from seaglint.studies.sequence.sense import SensedFrames
-from seaglint.studies.sequence.sensed_sequence import SensedSequence, drawn_in_time, prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import SensedSequence, drawn_in_time, drawn_of, prepare_sensed
 from seaglint.version import __version__
 
 
@@ -133,10 +133,14 @@ class IndependentSeas:
         sensed, first = self.sensed, number * length
         model, n = sensed.sensed.model, sensed.sensed.oversampling
 
-        def fine(frame: int) -> NDArray[np.float32]:
-            return drawn_in_time(sequence, sensed.scan, n, (frame - first) / rate).layers.radiance
+        @lru_cache(1)
+        def layers(frame: int) -> Layers:
+            return drawn_in_time(sequence, sensed.scan, n, (frame - first) / rate).layers
 
-        frames = SensedFrames(model, fine, n, first, lambda frame: sensed.sensed.rates(frame - first), drawn=True)
+        frames = SensedFrames(
+            model, lambda frame: layers(frame).radiance, n, first, lambda frame: sensed.sensed.rates(frame - first),
+            drawn=lambda frame: drawn_of(sequence.scene, layers(frame)),
+        )  # fmt: skip
         return np.stack([np.asarray(model.readout.radiance(frames.exposure(first + k).signal), np.float32) for k in range(length)])
 
 

@@ -54,7 +54,7 @@ def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> Se
     >>> tables = {"optics": {"aperture_m": 0.05, "f_number": 4.0}, "detector": {"pitch_um": 15.0}}
     >>> sheet = describe_sensor(parse_scenario({"sensor": tables})).sheet
     >>> round(sheet.ifov_mrad, 6), sheet.oversampling
-    (0.075, 3)
+    (0.075, 2)
     """
     model = sensor_model(scenario)
     rates = platform_rates(scenario, model.exposure_time)

@@ -59,7 +59,7 @@ CROSSINGS: Final = 64  #: Number of parts of a readout among which the one that 
 
 BOXES_ACROSS: Final = 24  #: Least number of boxes of light across an object.
 
-LARGE: Final = 128.0  #: Size from which an object is drawn in the fine pixels of the sea's picture [pixels].
+LARGE: Final = 128.0  #: Size from which an object is drawn in pixels that just resolve the optics' cut-off [pixels].
 
 IN_STEP: Final = 0.05  #: Motion of an object within which rows or columns of a picture count as of one instant [pixels].
 
@@ -307,14 +307,17 @@ class ExposedObjects:
     imager: Imager
     model: SensorModel
     scan: ScanPattern
-    fine: int
+    fine: int  #: Pixels of the sea's picture along a side of a detector's pixel.
+    detail: int  #: Pixels of large objects along a side of a detector's pixel.
 
     @classmethod
-    def of(cls, objects: SceneObjects, scene: Scene, track: Track, model: SensorModel, scan: ScanPattern, fine: int) -> ExposedObjects:
-        """Return objects of a scene that is drawn ``fine`` times finer than the detector's pixels."""
+    def of(
+        cls, objects: SceneObjects, scene: Scene, track: Track, model: SensorModel, scan: ScanPattern, fine: tuple[int, int]
+    ) -> ExposedObjects:
+        """Return objects of a scene; ``fine``: pixels along a side of a detector's pixel, of the sea's picture and of large objects."""
         pixels = scene.pixels
-        imager = replace(pixels, columns=pixels.columns // fine, rows=pixels.rows // fine)
-        return cls(objects, track, imager, model, scan, fine)
+        imager = replace(pixels, columns=pixels.columns // fine[0], rows=pixels.rows // fine[0])
+        return cls(objects, track, imager, model, scan, *fine)
 
     @cached_property
     def _local(self) -> LocalLight:
@@ -427,13 +430,13 @@ class ExposedObjects:
         if one.radius == 0.0:
             return wide, 1
         size = wide.size_of(one)
-        # Small bodies need the nodes of the blur; large ones take the fine pixels of the sea.
-        scale = self._local.nodes if size < LARGE else self.fine
+        # Small bodies need the nodes of the blur; large ones pixels that resolve the optics' cut-off.
+        scale = self._local.nodes if size < LARGE else self.detail
         while scale * size < BOXES_ACROSS:
             scale *= 2
         columns, rows = ((scale * a, scale * b) for a, b in (wide.columns, wide.rows))
         # Finer pixels need fewer samples each for the same number across the detector's pixel.
-        cells = max(math.ceil(FEWEST_CELLS * self.fine / scale), 2)
+        cells = max(math.ceil(FEWEST_CELLS * self.detail / scale), 2)
         frame = (0, scale * self.imager.columns, 0, scale * self.imager.rows)
         return replace(wide, imager=finer(self.imager, scale), columns=columns, rows=rows, cells=cells, frame=frame), scale
 

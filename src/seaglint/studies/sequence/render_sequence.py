@@ -21,7 +21,7 @@ from seaglint.cluster.job import ATTEMPTS
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.attitude_scene import TurnedScene
 from seaglint.imaging.camera.pose import Track, poses
-from seaglint.imaging.layers import Layers
+from seaglint.imaging.layers import SPARKLE, Layers
 from seaglint.imaging.refraction import RefractedScene, RowShift
 from seaglint.imaging.scene import Scene, image
 from seaglint.imaging.upright_scene import SweptScene
@@ -234,12 +234,19 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
 
 
 def prepare_sequence(
-    scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False, cached: SceneCache | None = None
+    scenario: Scenario,
+    frames: range | None = None,
+    *,
+    scanned: bool = False,
+    finer: int | None = None,
+    fits: bool = False,
+    cached: SceneCache | None = None,
 ) -> Sequence:
     """Prepare a sequence before its first frame, or for single frames in Python.
 
-    ``scanned`` prepares columns with separate poses (:func:`seaglint.studies.build.scenario_physics.gliding_camera`); ``fits`` skips the
-    check of the memory, which the caller made; ``cached`` holds the preparation that successive scenes share.
+    ``scanned`` prepares columns with separate poses (:func:`seaglint.studies.build.scenario_physics.gliding_camera`); ``finer`` is the
+    number of pixels along a side of a detector's pixel, None without a detector; ``fits`` skips the check of the memory, which the caller
+    made; ``cached`` holds the preparation that successive scenes share.
 
     Examples
     --------
@@ -251,17 +258,18 @@ def prepare_sequence(
     if not fits:
         require_memory(scenario)
     if cached is None:
-        return _prepared(scenario, frames, scanned)
-    return cached.sequence(scenario, f"{frames} {scanned}", lambda: _prepared(scenario, frames, scanned))
+        return _prepared(scenario, frames, scanned, finer)
+    return cached.sequence(scenario, f"{frames} {scanned} {finer}", lambda: _prepared(scenario, frames, scanned, finer))
 
 
 @single_threaded_algebra()
-def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequence:
+def _prepared(scenario: Scenario, frames: range | None, scanned: bool, finer: int | None) -> Sequence:
     scenario_physics.require_drawable(scenario, slopes(scenario))
     compile_ahead("render")
     sensor = scenario.sensor
     numbers = frames if frames is not None else range(sensor.frames)
-    accuracy, layers, sparkles = scenario_physics.accuracy(scenario), scenario.render.layers, scenario_physics.sparkles(scenario)
+    accuracy, sparkles = scenario_physics.accuracy(scenario), scenario_physics.sparkles(scenario)
+    layers, times = (*scenario.render.layers, *(() if finer is None else (SPARKLE,))), finer or 1
     camera = scenario_physics.gliding_camera(scenario) if scanned else scenario_physics.swept_camera(scenario)
     if camera is not None:
         first = scenario_physics.view(scenario)
@@ -274,7 +282,7 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
 
         def prepared(sun: SunPosition) -> Scene:
             view = scenario_physics.under(first, sun)
-            scene = SweptScene.prepare(view, grid, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
+            scene = SweptScene.prepare(view, grid, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times)
             return scene if shift is None else RefractedScene(scene, shift)
     else:
         require_standard_refraction(scenario)
@@ -286,7 +294,7 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
             def view(height: float) -> SeaView:
                 return scenario_physics.under(at(height), sun)
 
-            return TurnedScene.prepare(view, imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
+            return TurnedScene.prepare(view, imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times)
 
     scene = prepared(sun_position(scenario))
     view = scene.view
@@ -302,7 +310,7 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
         frames=numbers,
         frame_rate=sensor.frame_rate_hz,
         band=view.band,
-        variables=("radiance", *derived, *scene.layers),
+        variables=("radiance", *derived, *(name for name in scene.layers if name != SPARKLE)),
         poses=places,
         turning=track.turns,
         start=None if scenario.time is None else scenario.time.utc,

@@ -21,7 +21,7 @@ from seaglint.cluster import Workers
 from seaglint.cluster.job import ATTEMPTS
 from seaglint.formats.recording.labelled_arrays import Source
 from seaglint.instrument.bolometer import ThermalPixels, lag_weights
-from seaglint.instrument.chain import Exposure, SensorModel, require_radiance
+from seaglint.instrument.chain import Drawn, Exposure, SensorModel, require_radiance
 from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import blur_px
 from seaglint.instrument.transfer import require_divides, require_steady
@@ -44,6 +44,8 @@ Fine = Callable[[int], NDArray[np.float32]]  #: Radiance of a frame, finer than 
 
 Rates = Callable[[int], tuple[float, float]]  #: Movement of the line of sight in a frame, along and across rows [rad s-1].
 
+
+DrawnOf = Callable[[int], Drawn]  #: Description of the picture of a frame.
 
 Added = Callable[[int], NDArray[np.float32] | None]  #: Radiance that is added on the pixels of a frame [W m-2 sr-1, (rows, columns)].
 
@@ -68,7 +70,8 @@ class SensedFrames:
     first: int = 0  #: Number of the earliest frame: before it a thermal detector has seen the same image.
     rates: Rates = no_rates  #: ``rates(number)`` is the movement of the line of sight by the platform.
     added: Added = no_added_light  #: ``added(number)`` is the radiance added on the pixels; None adds none.
-    drawn: bool = False  #: Whether the pictures were drawn by this program (:meth:`~seaglint.instrument.chain.SensorModel.focal_plane`).
+    #: ``drawn(number)`` describes a picture of this program (:meth:`~seaglint.instrument.chain.SensorModel.focal_plane`); None for others.
+    drawn: DrawnOf | None = None
     _seen: OrderedDict[int, NDArray[np.float32]] = field(default_factory=OrderedDict, repr=False)
 
     def exposure(self, number: int) -> Exposure:
@@ -89,7 +92,8 @@ class SensedFrames:
         return self._cached(number, max(len(self._seen), 1))
 
     def _focal_plane(self, number: int) -> NDArray[np.float32]:
-        return self.model.focal_plane(self.fine(number), self.oversampling, self.rates(number), self.added(number), drawn=self.drawn)
+        drawn = None if self.drawn is None else self.drawn(number)
+        return self.model.focal_plane(self.fine(number), self.oversampling, self.rates(number), self.added(number), drawn=drawn)
 
     def _cached(self, number: int, most: int) -> NDArray[np.float32]:
         if number not in self._seen:
@@ -263,7 +267,8 @@ def prepare_sense(
             radiance_source=recording.source,
         ),
     ).in_units(recording.frames)
-    drawn = known.step is not None and known.band is not None
+    # A file has no sparkles apart.
+    drawn = (lambda number: Drawn()) if known.step is not None and known.band is not None else None
     return SensedFrames(_require_radiance(model, recording), fine, times, numbers.start, drawn=drawn), layout
 
 

@@ -15,8 +15,11 @@ from seaglint.base.errors import DataError
 from seaglint.base.threads import thread_limit
 from seaglint.cluster import Workers
 from seaglint.cluster.job import ATTEMPTS
-from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
+from seaglint.imaging.attitude_scene import TurnedScene
+from seaglint.imaging.layers import LEAST_SEEN, SPARKLE, Layers, share_of_glint
 from seaglint.imaging.refraction import RefractedScene
+from seaglint.imaging.scene import Scene
+from seaglint.instrument.chain import Drawn
 from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import blur_px
 from seaglint.instrument.scan import ScanPattern
@@ -162,6 +165,9 @@ class _FinePictures:
             self.latest = (number, drawn_in_time(self.sequence, self.scan, self.oversampling, time, compose=self.compose))
         return self.latest[1]
 
+    def description(self, number: int) -> Drawn:
+        return drawn_of(self.sequence.scene, self.drawn(number).layers)
+
     def light(self, number: int) -> ObjectLight:
         assert self.objects is not None
         if self.lit is None or self.lit[0] != number:
@@ -171,6 +177,11 @@ class _FinePictures:
 
     def added(self, number: int) -> NDArray[np.float32] | None:
         return None if self.objects is None else self.light(number).added
+
+
+def drawn_of(scene: Scene, layers: Layers) -> Drawn:
+    """Return what a sensor must know about a fine picture of a scene."""
+    return Drawn(layers[SPARKLE], scene.cells if isinstance(scene, TurnedScene) else 0.0)
 
 
 def drawn_in_time(sequence: Sequence, pattern: ScanPattern, oversampling: int, time: float, *, compose: bool = True) -> DrawnImage:
@@ -228,7 +239,7 @@ def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
         return binned_image(image, oversampling)
 
     over_sea = {"range", "slope"} & set(layers)
-    out = {name: mean(layers[name]).astype(np.float32) for name in layers if name not in over_sea}
+    out = {name: mean(layers[name]).astype(np.float32) for name in layers if name not in over_sea and name != SPARKLE}
     for name in over_sea:
         visible = np.isfinite(layers[name])
         # Distances are averaged over the sea only, weighted with its share of each fine pixel.
@@ -265,7 +276,7 @@ def prepare_sensed(
     settings = scenario.render.model_copy(update={"apparent_temperature": False})
     scanned = pattern.kind != "staring" and pattern.period > 0.0
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
-    sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, cached=cached)
+    sequence = prepare_sequence(fine, frames, scanned=scanned, finer=n, fits=True, cached=cached)
     if isinstance(model.detector, PhotonPixels):
         sequence = sequence.counting(model.photons.counted)
     _require_track(sequence, pattern, sensor.pixels)
@@ -276,10 +287,11 @@ def prepare_sensed(
     derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()
     objects = None
     if sequence.objects is not None:
-        objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, pattern, n)
+        detail = scenario.render.oversampling or model.finest
+        objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, pattern, (n, detail))
     # Objects are composed into the fine picture only if a written layer needs it; counts add them separately.
     drawn = _FinePictures(sequence, pattern, n, objects, rates, bool(radiance or derived or scenario.render.layers))
-    sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added, drawn=True)
+    sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added, drawn=drawn.description)
     fine_layout = sequence.layout
     layout = replace(
         fine_layout,
