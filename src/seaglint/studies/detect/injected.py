@@ -15,12 +15,14 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.spot import FineSpot, GaussianSpot, SpotShape
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.figures_of_merit import point_response
+from seaglint.objects.drawing.compose import BodySight
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.object_tables import Object
+from seaglint.studies.build.sensor_model import sensor_model
 from seaglint.studies.detect.scene_frames import IndependentSeas, sea_seed
 from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.scene_objects import DrawnImage
 from seaglint.studies.sequence.sensed_sequence import prepare_sensed
+from seaglint.studies.sequence.sequence_work import SceneCache
 
 Unit = Literal["W m-2 sr-1", "K", "W/sr"]
 
@@ -189,16 +191,16 @@ class ObjectSignal:
         """
         if self.among is None:
             return np.ones(count)
-        sequence = seas.sequence.with_sea_of(self.among)
+        sequence = seas.with_objects(self.among)
         fine = sequence.scene.pixels.columns // self.among.sensor.pixels[0]
         columns = self.columns[0] * fine, self.columns[1] * fine
-        visible = [_in_view(sequence.reseeded(sea_seed(self.among.seed, k)).drawn(0.0, columns)) for k in range(count)]
+        visible = [_in_view(sequence.reseeded(sea_seed(self.among.seed, k)).sights(0.0, columns)) for k in range(count)]
         return np.minimum(np.array(visible) / self.whole, 1.0)
 
 
-def _in_view(drawn: DrawnImage) -> float:
+def _in_view(sights: tuple[BodySight, ...]) -> float:
     """Return the visible solid angle of the single object [sr]; 1 or 0 for a point."""
-    (sight,) = drawn.sights
+    (sight,) = sights
     if sight.whole > 0.0:
         return sight.seen
     return float(any((share.radiance > 0.0).any() for share in sight.shares))
@@ -219,8 +221,8 @@ def item_of(scenario: Scenario, name: str) -> Object:
     raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
 
 
-def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
-    """Draw one object over the mean sea, through path and sensor.
+def object_signal(scenario: Scenario, name: str, cached: SceneCache | None = None) -> ObjectSignal:
+    """Draw one object over the mean sea, through path and sensor; ``cached`` holds the sea that the objects of several scenarios share.
 
     Raises
     ------
@@ -228,21 +230,21 @@ def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
         No object of that name, or nothing of it is visible.
     """
     item = item_of(scenario, name)
+    # Fewer than three steps to a pixel do not give a shape that can be displaced within it.
+    if scenario.sensor.senses and scenario.render.oversampling is None and sensor_model(scenario).oversampling < 3:
+        scenario = scenario.model_copy(update={"render": scenario.render.model_copy(update={"oversampling": 3})})
     plain = scenario.render.model_copy(update={"layers": (), "apparent_temperature": False, "step_m": None})
     alone = scenario.model_copy(update={"objects": (item,), "render": plain})
     # Over the mean sea: waves that are geometry would hide some of the object.
     calm = alone.model_copy(update={"sea": scenario.sea.model_copy(update={"resolve_waves": False})})
     if calm.sensor.senses:
-        sensed = prepare_sensed(calm)
+        sensed = prepare_sensed(calm, cached=cached)
         sequence, steps, model = sensed.fine, sensed.sensed.oversampling, sensed.sensed.model
-        # Fewer than three steps to a pixel do not give a shape that can be displaced within it.
-        if steps < 3 and scenario.render.oversampling is None:
-            return object_signal(scenario.model_copy(update={"render": scenario.render.model_copy(update={"oversampling": 3})}), name)
     else:
         steps, model = 3, None
         columns, rows = calm.sensor.pixels
         finer = calm.sensor.model_copy(update={"pixels": (columns * steps, rows * steps)})
-        sequence = prepare_sequence(calm.model_copy(update={"sensor": finer}))
+        sequence = prepare_sequence(calm.model_copy(update={"sensor": finer}), cached=cached)
     drawn = sequence.drawn(0.0)
     difference = drawn.layers.radiance.astype(np.float64) - drawn.sea
     if not np.abs(difference).any():
@@ -259,7 +261,7 @@ def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
         centre = [(float(at) + 0.5) / steps - 0.5 for at in np.argwhere(difference).mean(axis=0)]
         extent = int(columns_lit[0]) // steps, int(columns_lit[-1]) // steps + 1
         among = alone if scenario.sea.resolve_waves else None
-        return ObjectSignal(shape, share * float(difference.sum()) / steps**2, centre[0], centre[1], extent, _in_view(drawn), among)
+        return ObjectSignal(shape, share * float(difference.sum()) / steps**2, centre[0], centre[1], extent, _in_view(drawn.sights), among)
     if model is None:
         response = fine_response(picture, steps, lambda p: p.reshape(size, steps, size, steps).mean(axis=(1, 3)))
     else:
@@ -271,4 +273,4 @@ def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
     peak = np.unravel_index(int(np.abs(response).argmax()), response.shape)
     place = [(at - reach) + (float(p) + 0.5) / steps - 0.5 for at, p in zip((row, column), peak, strict=True)]
     extent = int(columns_lit[0]) // steps, int(columns_lit[-1]) // steps + 1
-    return ObjectSignal(shape, contrast, place[0], place[1], extent, _in_view(drawn), alone if scenario.sea.resolve_waves else None)
+    return ObjectSignal(shape, contrast, place[0], place[1], extent, _in_view(drawn.sights), alone if scenario.sea.resolve_waves else None)
