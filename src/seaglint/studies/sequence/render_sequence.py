@@ -196,8 +196,7 @@ class Sequence:
         reseeded = replace(self, objects=None).reseeded(scenario.seed)
         others = SceneObjects.of if self.objects is None else self.objects.others
         objects = others(bodies_of(scenario), reseeded.scene.waves, shadows=scenario.render.object_shadows)
-        # A new drawer counts light anew; one of the same sequence counts it already.
-        objects = objects.counting(self.counted) if objects is not None and self.objects is None else objects
+        objects = None if objects is None else objects.counting(self.counted)
         previous = reseeded.layout.attributes
         attributes = {**previous, **provenance(previous["title"], scenario.model_dump_json(exclude_none=True), scenario.seed)}
         layout = replace(reseeded.layout, truth=None if objects is None else objects.layout(), attributes=attributes)

@@ -167,7 +167,7 @@ class SceneObjects:
 
     def counting(self, counted: Counting | None) -> SceneObjects:
         """Return the objects before a detector that counts photons, or of energy (None)."""
-        return replace(self, drawer=Drawer.of(self.drawer.bodies, counted))
+        return replace(self, drawer=self.drawer.counting(counted))
 
     def over(self, waves: WaveField | None) -> SceneObjects:
         """Return the objects over another realisation of the sea."""
