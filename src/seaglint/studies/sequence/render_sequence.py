@@ -166,7 +166,7 @@ class Sequence:
         return self.objects.draw(scene, pose, time, (layers, sea), window, compose=compose)
 
     def sights(self, time: float, columns: tuple[int, int]) -> tuple[BodySight, ...]:
-        """Return the sights of objects at a time [s] in ``columns``, first and end, without drawing the sea: their images of it are dark."""
+        """Return the sights of objects at a time [s] in ``columns``, first and end, over a dark sea, which is not drawn."""
         if self.objects is None:
             return ()
         scene, pose = self.scene_at(time), self.track.at(time)
