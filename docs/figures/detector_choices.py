@@ -19,7 +19,7 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.store.detection_results import StudyParts, TriedDetector
 from seaglint.studies.detect.designer import SMALLEST, best_of
 from seaglint.studies.detect.detection_requests import RangeRequest
-from seaglint.studies.detect.range_search import ALIKE, first_estimate, tried_at
+from seaglint.studies.detect.range_search import ALIKE, RangeScenes, first_estimate, tried_at
 
 LEFT_OUT: Final = ("track-before-detect", "integration", "frame-difference", "temporal-profile", "patch-image")
 """Detectors of several frames, whose seas cost eight times as much and more, and one of seconds a frame."""
@@ -63,11 +63,12 @@ def margins(cell: tuple[str, str, str], parts: StudyParts) -> list[TriedDetector
     request = RangeRequest(
         source="scenario", object="boat", threshold=3.0, injections=40, seed=2, frames=SEAS, range_limits=LIMITS, p_fa=P_FA
     )
-    at = first_estimate(scene, request, None)
+    scenes = RangeScenes(parts)
+    at = first_estimate(scene, request, None, scenes)
     tried: list[TriedDetector] = []
     for _ in range(3):
         try:
-            tried = tried_at(scene, request, at, None, parts, SINGLE)
+            tried = tried_at(scene, request, at, None, scenes, SINGLE)
             margin = best_of(tried).contrast_margin or SMALLEST
         except SeaglintError as error:
             print(f"{cell} at {at:.0f} m: {error}", file=sys.stderr, flush=True)

@@ -40,7 +40,7 @@ from seaglint.studies.detect.designer import threshold_or_count
 from seaglint.studies.detect.detection_requests import DesignRequest, RangeRequest, SceneRequest
 from seaglint.studies.detect.injected import ObjectSignal, Strength, fine_response, object_signal, point_shape, spot_of
 from seaglint.studies.detect.near_object import NearRows, background_of
-from seaglint.studies.detect.range_search import detection_range, placed_at
+from seaglint.studies.detect.range_search import RangeScenes, detection_range, placed_at
 from seaglint.studies.detect.rendered_seas import Clock, run_scene
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, sea_seed
 from seaglint.studies.detect.study import run_study
@@ -290,7 +290,7 @@ def test_range_is_found_by_bisection(path: Path, tmp_path: Path, monkeypatch) ->
     monkeypatch.setattr(
         detect_range,
         "object_signal",
-        lambda scene, name: ObjectSignal(GaussianSpot(0.8), 2e7 / math.hypot(*_place(scene)) ** 2, 20.0, 24.0),
+        lambda scene, name, calm: ObjectSignal(GaussianSpot(0.8), 2e7 / math.hypot(*_place(scene)) ** 2, 20.0, 24.0),
     )
     found = detection_range(scenario, range_request(), parts_at(tmp_path), bearing_deg=90.0)
     sigma = SIGMA / 5.0 * 7.0
@@ -356,7 +356,7 @@ def test_ranges_are_those_of_the_closed_form_under_a_warm_sky(
     def contrast(at: float) -> float:
         return amplitude * math.exp(-at / extinction_m) / at**2
 
-    def seen(scene: Any, name: str) -> ObjectSignal:
+    def seen(scene: Any, name: str, calm: Any) -> ObjectSignal:
         return ObjectSignal(spot, contrast(math.hypot(*_place(scene))), scene.sensor.pixels[1] / 2, columns / 2)
 
     monkeypatch.setattr(detect_range, "object_signal", seen)
@@ -497,7 +497,9 @@ def test_both_spellings_of_a_command_print_the_same(
     from seaglint.cli.app import main
 
     seen = ObjectSignal(GaussianSpot(0.8), 5.0, 20.0, 24.0)
-    monkeypatch.setattr(detect_range, "object_signal", lambda scene, name: replace(seen, contrast=2e7 / math.hypot(*_place(scene)) ** 2))
+    monkeypatch.setattr(
+        detect_range, "object_signal", lambda scene, name, calm: replace(seen, contrast=2e7 / math.hypot(*_place(scene)) ** 2)
+    )
     printed = []
     for words in (("detect", command, *(word for word in bare if word != f"--{command}")), ("detect", *bare)):
         common = ("--threshold", "3", "--frames", "6", "--injections", "100", "--progress", "none", *form)
@@ -568,8 +570,8 @@ class HalfHidden(ObjectSignal):
 def test_waves_before_an_object_count_in_its_detection(path: Path, tmp_path: Path, monkeypatch) -> None:
     scenario = cases_of(path)[0].scenario
     contrast = 12.0 * SIGMA / 5.0 * 7.0
-    monkeypatch.setattr(detect_range, "object_signal", lambda scene, name: HalfHidden(GaussianSpot(0.8), contrast, 20.0, 24.0))
-    found = detect_range.p_d_at(scenario, range_request(), 1000.0, None, parts_at(tmp_path))
+    monkeypatch.setattr(detect_range, "object_signal", lambda scene, name, calm: HalfHidden(GaussianSpot(0.8), contrast, 20.0, 24.0))
+    found = detect_range.p_d_at(scenario, range_request(), 1000.0, None, RangeScenes(parts_at(tmp_path)))
     # at twelve and six standard deviations all that is seen is found
     assert found.p_d == pytest.approx(0.5, abs=0.01)
     assert found.visible_share == pytest.approx(0.375)
@@ -578,7 +580,7 @@ def test_waves_before_an_object_count_in_its_detection(path: Path, tmp_path: Pat
     assert low == pytest.approx(0.15, abs=0.03)
     assert high == pytest.approx(0.85, abs=0.03)
     monkeypatch.setattr(HalfHidden, "visible_shares", lambda self, count, seas: np.zeros(count))
-    gone = detect_range.p_d_at(scenario, range_request(), 1200.0, None, parts_at(tmp_path))
+    gone = detect_range.p_d_at(scenario, range_request(), 1200.0, None, RangeScenes(parts_at(tmp_path)))
     assert gone.p_d == 0.0
     assert "hidden behind waves" in gone.note
     assert RangePoint.of(json.loads(json.dumps(found.as_dict()))) == found

@@ -25,7 +25,7 @@ from seaglint.studies.detect.detection_requests import RangeRequest
 from seaglint.studies.detect.injected import ObjectSignal
 from seaglint.studies.detect.near_object import rows_to_horizon
 from seaglint.studies.detect.performance import DetectionOptions
-from seaglint.studies.detect.range_search import detection_range, doubts, horizon_note, p_d_at
+from seaglint.studies.detect.range_search import RangeScenes, detection_range, doubts, horizon_note, p_d_at
 from seaglint.studies.detect.scene_frames import SceneFrames, sea_seed
 
 SPOT, SIGMA, P_FA = GaussianSpot(0.8), 2.0, 1e-2
@@ -71,7 +71,7 @@ def seas(request, monkeypatch) -> None:
     monkeypatch.setattr(range_search, "object_signal", _seen)
 
 
-def _seen(scene: Any, name: str) -> ObjectSignal:
+def _seen(scene: Any, name: str, calm: Any) -> ObjectSignal:
     at = math.hypot(scene.objects[0].east_m, scene.objects[0].north_m)
     return ObjectSignal(SPOT, 4e7 / at**2, ROWS / 2, COLUMNS / 2)
 
@@ -101,7 +101,8 @@ def test_the_default_sees_as_far_as_the_best_where_a_matched_filter_does_not(sea
     """Waves of 8 W m-2 sr-1 and 32 px hide the object from weights that add up to 1, and not from those that add up to 0."""
     chosen = _found(tmp_path, None)
     assert chosen.detector != "matched"
-    nearer = p_d_at(*_asked("matched"), chosen.range_m / 1.3, None, StudyParts.at(tmp_path / "matched", resume=False, overwrite=True))
+    scenes = RangeScenes(StudyParts.at(tmp_path / "matched", resume=False, overwrite=True))
+    nearer = p_d_at(*_asked("matched"), chosen.range_m / 1.3, None, scenes)
     assert nearer.p_d < 0.5
     assert {one.detector for one in chosen.tried} == set(TRIED)
     last = [one for one in chosen.tried if one.range_m == chosen.tried[-1].range_m]

@@ -357,6 +357,7 @@ def detect_range(
     range_limits: tuple[float, float] | None = None,
     bearings: Sequence[float] | None = None,
     precision: float | None = None,
+    workers: int | Workers | None = None,
     progress: Progress | None = None,
 ) -> ResultRecord:
     """Range up to which an object of a scenario is detected.
@@ -364,8 +365,10 @@ def detect_range(
     Parameters
     ----------
     {request}
+    workers : int or Workers, optional
+        Processes on this machine that share the work, or workers as :func:`seaglint.cluster.dask.connected` gives them.
     progress : callable, optional
-        Called with (cases done, cases in all).
+        Called with (ranges done, ranges in all).
 
     Returns
     -------
@@ -390,12 +393,8 @@ def detect_range(
     far = None if bearings is None else tuple(float(value) for value in bearings)
     request = request_of(RangeRequest, locals(), source="scenario", vary=None, cases=None, bearings=far)
     varied = _cases(source, vary, cases, sensor)
-    ranges = []
-    with parts_folder(None) as (parts, _), absent_numbers():
-        for number, case in enumerate(varied):
-            ranges += ranges_of([case], request, parts)
-            if progress is not None:
-                progress(number + 1, len(varied))
+    with parts_folder(None) as (parts, _), absent_numbers(), team_of(workers) as team:
+        ranges = ranges_of(varied, request, parts, progress=progress, workers=team)
 
     def draw() -> Figure:
         from seaglint.plot.detection_report import draw_ranges

@@ -96,9 +96,9 @@ def design(request: DesignRequest, results: ResultOptions, run: Annotated[RunOpt
 
 
 @detect.command("range", cls=RecordCommand)
-@takes_records()
+@takes_records(order="workers dask dask_slurm")
 def detection_range(
-    request: RangeRequest, results: Annotated[ResultOptions, Without(("report",))], run: Annotated[RunOptions, Without((*ALONE, "threads"))]
+    request: RangeRequest, results: Annotated[ResultOptions, Without(("report",))], run: Annotated[RunOptions, Without(("threads",))]
 ) -> None:
     """Range up to which an object of a scenario is detected."""
     from seaglint.cli.detect_runs import detect_range
@@ -138,7 +138,6 @@ def detect_source(
         if find_range:
             from seaglint.cli.detect_runs import detect_range
 
-            run.done_here("ranges are found")
             detect_range(far, results, run)
             return
         from seaglint.cli.detect_runs import detect_scene

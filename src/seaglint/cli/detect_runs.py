@@ -229,13 +229,11 @@ def detect_scene(request: SceneRequest, results: ResultOptions, run: RunOptions)
     DataError
         A request that the study refuses, or cases that failed, once the others are written.
     """
-    from seaglint.base.errors import DataError
     from seaglint.cli.terminal.messages import print_json, print_lines
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.studies.detect.study import run_study
 
-    if results.output is None and (run.dask is not None or run.dask_slurm is not None):
-        raise DataError("workers on other machines keep frames beside the result; give -o RESULT in a folder that they see too")
+    _require_shared(results, run)
     source = str(Path(request.source))
     with _scenes(request, results, run, ("map", "chips")) as scenes:
         with patient_progress(run.show, "seas") as progress, run.chosen() as workers:
@@ -250,6 +248,20 @@ def detect_scene(request: SceneRequest, results: ResultOptions, run: RunOptions)
     else:
         print_lines(study_lines(study))
     _raise_errors(study, "; what was computed is written" if scenes.files is not None else "")
+
+
+def _require_shared(results: ResultOptions, run: RunOptions) -> None:
+    """Refuse workers on other machines without a result beside which frames are stored.
+
+    Raises
+    ------
+    DataError
+        Such workers, and no result.
+    """
+    from seaglint.base.errors import DataError
+
+    if results.output is None and (run.dask is not None or run.dask_slurm is not None):
+        raise DataError("workers on other machines keep frames beside the result; give -o RESULT in a folder that they see too")
 
 
 def _silent(text: str) -> None:
@@ -298,13 +310,16 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     from seaglint.studies.detect.study import ranges_of
     from seaglint.studies.mean.air_contrast import RANGES
 
+    _require_shared(results, run)
+
     def check(cases: list[StudyCase]) -> None:
         near, far = request.of_objects([item.name for item in cases[0].scenario.objects or ()]).limits
         print_air([case.scenario for case in cases], [at for at in RANGES if near <= at <= far] or (near, far))
 
     with _scenes(request, results, run, ("range",), check) as scenes:
-        with patient_progress(run.show, "seas"):
-            _show(ranges_of(scenes.cases, request, scenes.parts, report=scenes.report), results, scenes.files)
+        with patient_progress(run.show, "ranges") as progress, run.chosen() as workers:
+            found = ranges_of(scenes.cases, request, scenes.parts, progress=progress, report=scenes.report, workers=workers)
+        _show(found, results, scenes.files)
         if scenes.files is not None:
             scenes.parts.remove()
 

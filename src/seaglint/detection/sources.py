@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.special import ndtri, pdtrik
+from scipy.special import ndtri, pdtr
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.random import stream
@@ -144,14 +144,27 @@ def poisson_quantile(mean: FloatArray, share: FloatArray) -> FloatArray:
     >>> poisson_quantile(np.array([3.0, 1e4]), np.array([0.5, 0.5])).tolist()
     [3.0, 10000.0]
     """
-    out = np.empty(mean.shape)
-    few = mean < _MANY
-    out[few] = np.ceil(np.maximum(pdtrik(share[few], mean[few]), 0.0))
     # Cornish and Fisher: the Gaussian quantile with the skewness of the Poisson distribution.
-    z = ndtri(np.clip(share[~few], 1e-16, 1.0 - 1e-16))
-    many = mean[~few]
-    out[~few] = np.rint(many + np.sqrt(many) * z + (z * z - 1.0) / 6.0)
+    z = ndtri(np.clip(share, 1e-16, 1.0 - 1e-16))
+    out = np.rint(mean + np.sqrt(mean) * z + (z * z - 1.0) / 6.0)
+    few = np.flatnonzero(mean < _MANY)
+    out[few] = _exact_quantile(np.maximum(out[few], 0.0), mean[few], share[few])
     return out
+
+
+def _exact_quantile(number: FloatArray, mean: FloatArray, share: FloatArray) -> FloatArray:
+    """Return the least whole numbers whose cumulative Poisson probability is at least ``share``, searched from ``number`` in place."""
+    short = pdtr(number, mean) < share
+    below, above = np.flatnonzero(short), np.flatnonzero(~short)
+    while below.size:
+        number[below] += 1.0
+        below = below[pdtr(number[below], mean[below]) < share[below]]
+    above = above[number[above] > 0.0]
+    while above.size:
+        above = above[pdtr(number[above] - 1.0, mean[above]) >= share[above]]
+        number[above] -= 1.0
+        above = above[number[above] > 0.0]
+    return number
 
 
 class DerivedFrames(PlainFrames):

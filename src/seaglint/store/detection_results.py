@@ -214,6 +214,12 @@ class DetectionRange:
         """Return plain numbers and text."""
         return {"parameters": self.parameters} | asdict(self) | {"points": [point.as_dict() for point in self.points]}
 
+    @classmethod
+    def of(cls, stored: JsonObject) -> Self:
+        """Return the range that :meth:`as_dict` wrote."""
+        points = [RangePoint.of(point) for point in stored["points"]]
+        return cls(**{**stored, "points": points, "tried": [TriedDetector(**one) for one in stored["tried"]]})
+
 
 _MARK = "seaglint-detection-parts"
 
@@ -239,6 +245,10 @@ class StudyParts(ResumableFolder):
             unfinished="holds an unfinished study; go on with resume=True, or begin anew with overwrite=True",
         )
         return parts
+
+    def within(self, name: str) -> StudyParts:
+        """Return a folder of parts within this one, for work beside other work."""
+        return StudyParts(self.part_folder(name), self.mark)
 
     def frames(self, key: str) -> Path:
         """Return the folder of the frames of a scene."""

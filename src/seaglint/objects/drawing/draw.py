@@ -254,6 +254,17 @@ class Stage:
         return float(low[0] - margin), float(high[0] + margin), float(low[1] - margin), float(high[1] + margin)
 
 
+def _latest(cached: OrderedDict[SeaView, Surroundings], view: SeaView, compute: Callable[[], Surroundings]) -> Surroundings:
+    """Return the light of a view, computed unless it is among the latest."""
+    if view not in cached:
+        cached[view] = compute()
+    cached.move_to_end(view)
+    light = cached[view]
+    while len(cached) > _CACHED:
+        cached.popitem(last=False)
+    return light
+
+
 @dataclass(frozen=True, eq=False)
 class Drawer:
     """Drawer of bodies from any pose at any time. Make it with :meth:`of`."""
@@ -262,6 +273,7 @@ class Drawer:
     _parts: tuple[DrawnPart, ...]
     counted: Counting | None = None
     _light: OrderedDict[SeaView, Surroundings] = field(default_factory=OrderedDict)
+    _energy: OrderedDict[SeaView, Surroundings] = field(default_factory=OrderedDict)  # the same for a detector of energy
 
     @property
     def parts(self) -> tuple[DrawnPart, ...]:
@@ -277,15 +289,14 @@ class Drawer:
         """Return the drawer of these bodies at other places, with the light that is already computed."""
         return replace(self, bodies=bodies, _parts=parts_of(bodies))
 
+    def counting(self, counted: Counting | None) -> Drawer:
+        """Return the drawer before a detector that counts photons, or of energy (None), with the light that is already computed."""
+        return replace(self, counted=counted, _light=OrderedDict())
+
     def light(self, view: SeaView) -> Surroundings:
         """Return the light about bodies in a view; the latest lights are cached."""
-        if view not in self._light:
-            self._light[view] = Surroundings.of(view, self.counted)
-        self._light.move_to_end(view)
-        cached = self._light[view]
-        while len(self._light) > _CACHED:
-            self._light.popitem(last=False)
-        return cached
+        energy = _latest(self._energy, view, lambda: Surroundings.of(view))
+        return _latest(self._light, view, lambda: energy.counting(self.counted))
 
     def picture(self, stage: Stage, time: float) -> DrawnBodies:
         """Return the contributions of the bodies to the image at a time [s].

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, NamedTuple
 
@@ -101,9 +101,12 @@ class Surroundings:
             light[:_ELEVATIONS] += view.sun_distance_factor * np.maximum(shares @ table.spectral, 0.0)
         up = np.concatenate([sine, -sine])
         solid = np.concatenate([weight, weight])[:, None] * share
-        nu = view.in_band.wavenumber_cm
-        weight_of = np.ones(nu.size) if counted is None else np.asarray(counted(nu), np.float64)
-        return cls(view, _hemispheres(up, azimuth, solid, light), weight_of)
+        return cls(view, _hemispheres(up, azimuth, solid, light), np.ones(view.in_band.wavenumber_cm.size)).counting(counted)
+
+    def counting(self, counted: Counting | None) -> Surroundings:
+        """Return the same light for a detector of photons, or of energy (None)."""
+        nu = self.view.in_band.wavenumber_cm
+        return replace(self, counted=np.ones(nu.size) if counted is None else np.asarray(counted(nu), np.float64))
 
     @property
     def sun(self) -> FloatArray:

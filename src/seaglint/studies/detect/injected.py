@@ -15,13 +15,14 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.spot import FineSpot, GaussianSpot, SpotShape
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.figures_of_merit import point_response
+from seaglint.objects.drawing.compose import BodySight
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.object_tables import Object
 from seaglint.studies.build.sensor_model import sensor_model
 from seaglint.studies.detect.scene_frames import IndependentSeas, sea_seed
 from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.scene_objects import DrawnImage
 from seaglint.studies.sequence.sensed_sequence import prepare_sensed
+from seaglint.studies.sequence.sequence_work import SceneCache
 
 Unit = Literal["W m-2 sr-1", "K", "W/sr"]
 
@@ -190,16 +191,16 @@ class ObjectSignal:
         """
         if self.among is None:
             return np.ones(count)
-        sequence = seas.sequence.with_sea_of(self.among)
+        sequence = seas.with_objects(self.among)
         fine = sequence.scene.pixels.columns // self.among.sensor.pixels[0]
         columns = self.columns[0] * fine, self.columns[1] * fine
-        visible = [_in_view(sequence.reseeded(sea_seed(self.among.seed, k)).drawn(0.0, columns)) for k in range(count)]
+        visible = [_in_view(sequence.reseeded(sea_seed(self.among.seed, k)).sights(0.0, columns)) for k in range(count)]
         return np.minimum(np.array(visible) / self.whole, 1.0)
 
 
-def _in_view(drawn: DrawnImage) -> float:
+def _in_view(sights: tuple[BodySight, ...]) -> float:
     """Return the visible solid angle of the single object [sr]; 1 or 0 for a point."""
-    (sight,) = drawn.sights
+    (sight,) = sights
     if sight.whole > 0.0:
         return sight.seen
     return float(any((share.radiance > 0.0).any() for share in sight.shares))
@@ -220,8 +221,8 @@ def item_of(scenario: Scenario, name: str) -> Object:
     raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
 
 
-def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
-    """Draw one object over the mean sea, through path and sensor.
+def object_signal(scenario: Scenario, name: str, cached: SceneCache | None = None) -> ObjectSignal:
+    """Draw one object over the mean sea, through path and sensor; ``cached`` holds the sea that the objects of several scenarios share.
 
     Raises
     ------
@@ -238,13 +239,13 @@ def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
             # A shape resolves the optics' cut-off; fewer than three steps to a pixel do not give one that can be displaced within it.
             drawn_finer = plain.model_copy(update={"oversampling": max(sensor_model(scenario).finest, 3)})
             calm = calm.model_copy(update={"render": drawn_finer})
-        sensed = prepare_sensed(calm)
+        sensed = prepare_sensed(calm, cached=cached)
         sequence, steps, model = sensed.fine, sensed.sensed.oversampling, sensed.sensed.model
     else:
         steps, model = 3, None
         columns, rows = calm.sensor.pixels
         finer = calm.sensor.model_copy(update={"pixels": (columns * steps, rows * steps)})
-        sequence = prepare_sequence(calm.model_copy(update={"sensor": finer}))
+        sequence = prepare_sequence(calm.model_copy(update={"sensor": finer}), cached=cached)
     drawn = sequence.drawn(0.0)
     difference = drawn.layers.radiance.astype(np.float64) - drawn.sea
     if not np.abs(difference).any():
@@ -261,7 +262,7 @@ def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
         centre = [(float(at) + 0.5) / steps - 0.5 for at in np.argwhere(difference).mean(axis=0)]
         extent = int(columns_lit[0]) // steps, int(columns_lit[-1]) // steps + 1
         among = alone if scenario.sea.resolve_waves else None
-        return ObjectSignal(shape, share * float(difference.sum()) / steps**2, centre[0], centre[1], extent, _in_view(drawn), among)
+        return ObjectSignal(shape, share * float(difference.sum()) / steps**2, centre[0], centre[1], extent, _in_view(drawn.sights), among)
     if model is None:
         response = fine_response(picture, steps, lambda p: p.reshape(size, steps, size, steps).mean(axis=(1, 3)))
     else:
@@ -273,4 +274,4 @@ def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
     peak = np.unravel_index(int(np.abs(response).argmax()), response.shape)
     place = [(at - reach) + (float(p) + 0.5) / steps - 0.5 for at, p in zip((row, column), peak, strict=True)]
     extent = int(columns_lit[0]) // steps, int(columns_lit[-1]) // steps + 1
-    return ObjectSignal(shape, contrast, place[0], place[1], extent, _in_view(drawn), alone if scenario.sea.resolve_waves else None)
+    return ObjectSignal(shape, contrast, place[0], place[1], extent, _in_view(drawn.sights), alone if scenario.sea.resolve_waves else None)

@@ -12,7 +12,7 @@ import itertools
 import math
 import pickle
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -22,6 +22,7 @@ from scipy.special import ndtr, ndtri
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.cluster import Workers
 from seaglint.detection.design import by_windows
 from seaglint.detection.detector_names import TRIED
 from seaglint.detection.matched import Matched
@@ -35,7 +36,8 @@ from seaglint.studies.detect.injected import ObjectSignal, item_of, object_signa
 from seaglint.studies.detect.near_object import AROUND, Background, NearRows, background_of, half_height, less_row_means, rows_to_horizon
 from seaglint.studies.detect.performance import DetectionOptions, detect
 from seaglint.studies.detect.rendered_seas import lead_of
-from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
+from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, bare, frames_key
+from seaglint.studies.sequence.sequence_work import SceneCache
 
 if TYPE_CHECKING:
     from seaglint.detection.spot import SpotShape
@@ -49,7 +51,9 @@ ROUNDS: Final = 4  #: Ranges at which a list of detectors is tried at most.
 
 STEP: Final = 1.25  #: Factor by which the frames look to either side of the first estimate.
 
-_ROWS: Final = 2 * AROUND + 16  #: Rows that are rendered about an object that is small in them.
+LOOK_ROWS: Final = 8  #: Rows from one line of sight to the next: ranges of one line of sight share their seas.
+
+_ROWS: Final = 2 * AROUND + 2 * LOOK_ROWS  #: Rows that are rendered about an object that is small in them.
 
 ROWS: Final = 1  #: Rows above and below the object's own in which it is injected: the sea there is as far away.
 
@@ -102,6 +106,80 @@ def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float 
     return scenario.model_copy(update={"objects": (moved,), "sensor": looking})
 
 
+def looking_near(placed: Scenario) -> Scenario:
+    """Return a placed scenario whose line of sight is the nearest of a fixed series, and which has a single frame.
+
+    Objects at most ranges are within a few rows of one line of sight, as the elevation of the sea changes little beyond some kilometres.
+    Scenes of one line of sight differ in the object alone. The series has steps of :data:`LOOK_ROWS` rows, in pictures of fewer than 48
+    rows of a sixth of the picture, so that the object remains within half a step of the middle row.
+    """
+    sensor = placed.sensor
+    rows = sensor.pixels[1]
+    step = min(LOOK_ROWS, rows // 6) * sensor.fov_deg[1] / rows
+    elevation = step * round(sensor.elevation_deg / step) if step > 0.0 else sensor.elevation_deg
+    looking = sensor.model_copy(update={"elevation_deg": min(max(elevation, -90.0), 90.0), "frames": 1})
+    return placed.model_copy(update={"sensor": looking})
+
+
+@dataclass(eq=False)
+class RangeScenes:
+    """Scenes that the ranges of one search share: the seas of a line of sight, their frames on disk, and the calm sea under the object.
+
+    The latest of each is cached. Results do not depend on the cache.
+    """
+
+    parts: StudyParts  #: Store of frames, and of P_d at each range.
+    workers: Workers | None = None  #: Workers that render the seas; this process by default.
+    calm: SceneCache = field(default_factory=SceneCache)  #: Calm sea over which the object is drawn.
+    _seas: tuple[str, IndependentSeas] | None = field(default=None, repr=False)
+    _visible: tuple[str, VisibleObject] | None = field(default=None, repr=False)
+    _stored: set[str] = field(default_factory=set, repr=False)
+
+    def seas(self, scene: Scenario) -> IndependentSeas:
+        """Return the prepared seas of a scenario; they do not depend on its objects."""
+        key = bare(scene).model_dump_json()
+        if self._seas is None or self._seas[0] != key:
+            self._seas = None  # two scenes would take twice the memory
+            self._seas = key, IndependentSeas.of(scene)
+        return self._seas[1]
+
+    def frames(self, scene: Scenario, length: int, count: int) -> SceneFrames:
+        """Return the frames of ``count`` seas of a scenario, ``length`` of each; those not stored are rendered."""
+        key = frames_key(scene, length)
+        self._stored.add(key)
+        source = SceneFrames(self.seas(scene), self.parts.frames(key), length, workers=self.workers)
+        source.grow(count)
+        return source
+
+    def visible(self, whole: Scenario, name: str, count: int) -> VisibleObject:
+        """Return an object of a scenario with its visible share in ``count`` seas.
+
+        Raises
+        ------
+        DataError
+            Nothing of the object is visible.
+        """
+        key = f"{name} {count} {whole.model_dump_json()}"
+        if self._visible is None or self._visible[0] != key:
+            scene, target = seen_nearby(whole, name, self.calm)
+            self._visible = key, VisibleObject(scene, target, target.visible_shares(count, self.seas(scene)))
+        return self._visible[1]
+
+    def forget_frames(self) -> None:
+        """Remove the frames that were stored."""
+        for key in self._stored:
+            self.parts.forget_frames(key)
+
+
+@dataclass(frozen=True)
+class VisibleObject:
+    """An object at one range, among the seas before it."""
+
+    scene: Scenario  #: Scenario with only the rows about the object, where it is small in them.
+    target: ObjectSignal  #: The object.
+    shares: FloatArray  #: Visible share of the object in each sea [1].
+
+
 def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[str]:
     """Return the reasons why a range is unreliable: P_d that rises with the range, an unreliable threshold, the horizon or the sky behind.
 
@@ -152,7 +230,7 @@ def horizon_note(point: RangePoint) -> str | None:
     return None
 
 
-def estimated_p_d(placed: Scenario, target: ObjectSignal, design: Design) -> float:
+def estimated_p_d(placed: Scenario, target: ObjectSignal, design: Design, scenes: RangeScenes) -> float:
     """Return P_d of a matched filter by the Gaussian law, without any search in frames.
 
     ``P_d = < Q(Q^-1(P_fa) - v c g / sigma) >`` over the places in the pixel and the seas, with the contrast ``c``, the share ``v`` of the
@@ -166,11 +244,13 @@ def estimated_p_d(placed: Scenario, target: ObjectSignal, design: Design) -> flo
         Signal of the object there.
     design : Design
         Rate of false alarms.
+    scenes : RangeScenes
+        Scenes that ranges share.
     """
-    seas = IndependentSeas.of(placed)
+    seas = scenes.seas(placed)
     _, first, end = background_of(seas, round(target.row), target.shape.half)
     detector = Matched(target.shape.stamps(np.zeros((1, 2)))[0])
-    frames = np.concatenate([seas.sea(number, 1) for number in range(SEAS)])
+    frames = scenes.frames(placed, 1, SEAS).read(0, SEAS)
     rows, columns = frames.shape[1:]
     statistic = detector(less_row_means(frames[:, first:end]))
     # Rows and columns near the border repeat pixels; a third of the picture remains in any case.
@@ -204,10 +284,9 @@ class _Placed:
     shares: FloatArray  #: Visible share of the object in each sea [1].
     background: Background  #: Rows whose statistics are taken.
     horizon_rows: int | None  #: Rows from the object to the horizon [px].
-    frames: str  #: Name of the stored frames.
 
 
-def _placed(whole: Scenario, request: RangeRequest, parts: StudyParts, in_view: float = 0.0) -> _Placed:
+def _placed(whole: Scenario, request: RangeRequest, scenes: RangeScenes, in_view: float = 0.0) -> _Placed:
     """Draw the object of a request, and the seas about it unless they are stored.
 
     Raises
@@ -216,17 +295,14 @@ def _placed(whole: Scenario, request: RangeRequest, parts: StudyParts, in_view: 
         Nothing of the object is visible, or it is hidden in all seas, or visible in less than a share ``in_view`` of them.
     """
     name = request.object or ""
-    scene, target = seen_nearby(whole, name)
-    seas = IndependentSeas.of(scene)
-    shares = target.visible_shares(request.seas, seas)
+    visible = scenes.visible(whole, name, request.seas)
+    scene, target, shares = visible.scene, visible.target, visible.shares
     if not shares.any():
         raise DataError(f"object '{name}' is hidden behind waves in all of {request.seas} seas")
     if np.count_nonzero(shares) < in_view * shares.size:
         raise DataError(f"object '{name}' is hidden behind waves in {np.count_nonzero(shares == 0.0)} of {request.seas} seas")
     length = lead_of(request.detector_name, request.time_limit, target.shape) + 1
-    key = frames_key(scene, length)
-    source = SceneFrames(seas, parts.frames(key), length)
-    source.grow(request.seas)
+    seas, source = scenes.seas(scene), scenes.frames(scene, length, request.seas)
     background, first, end = background_of(seas, round(target.row), target.shape.half)
     near: FrameSource = NearRows(source, first, end)
     row = round(target.row) - first
@@ -239,7 +315,6 @@ def _placed(whole: Scenario, request: RangeRequest, parts: StudyParts, in_view: 
         shares=shares,
         background=background,
         horizon_rows=rows_to_horizon(seas, round(target.row), half_height(target.shape)),
-        frames=key,
     )
 
 
@@ -249,18 +324,18 @@ def _key(kind: str, whole: Scenario, *settings: object) -> str:
     return f"{kind}-{hashlib.sha256(pickle.dumps(content, protocol=5)).hexdigest()[:16]}"
 
 
-def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: float | None, parts: StudyParts) -> RangePoint:
+def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: float | None, scenes: RangeScenes) -> RangePoint:
     """Return P_d of the object at one range, at the threshold of the requested rate; 0 with a note where nothing of it is visible.
 
     Resolved waves hide some of the object. As many seas as there are frames give its visible share, and P_d is the mean over these seas of
     P_d at that share of the contrast.
     """
-    whole = placed_at(scenario, request.object or "", range_m, bearing)
+    whole, parts = looking_near(placed_at(scenario, request.object or "", range_m, bearing)), scenes.parts
     key = _key("range", whole, *request.settings)
     if (stored := parts.case(key)) is not None:
         return RangePoint.of(stored)
     try:
-        placed = _placed(whole, request, parts)
+        placed = _placed(whole, request, scenes)
     except DataError as error:
         point = RangePoint(range_m, note=str(error))
     else:
@@ -287,13 +362,12 @@ def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: f
             window_rows=performance.detector.reach,
             detector=options.detector,
         )
-        parts.forget_frames(placed.frames)
     parts.keep_case(key, point.as_dict())
     return point
 
 
 def tried_at(
-    scenario: Scenario, request: RangeRequest, range_m: float, bearing: float | None, parts: StudyParts, names: Sequence[str] = TRIED
+    scenario: Scenario, request: RangeRequest, range_m: float, bearing: float | None, scenes: RangeScenes, names: Sequence[str] = TRIED
 ) -> list[TriedDetector]:
     """Return the margins of contrast of some detectors at one range; the frames stay stored for its P_d.
 
@@ -302,12 +376,12 @@ def tried_at(
     DataError
         Nothing of the object is visible.
     """
-    whole = placed_at(scenario, request.object or "", range_m, bearing)
+    whole, parts = looking_near(placed_at(scenario, request.object or "", range_m, bearing)), scenes.parts
     key = _key("choice", whole, *request.settings, names)
     if (stored := parts.case(key)) is not None:
         return [TriedDetector(**one) for one in stored["tried"]]
     design = request.design()
-    placed = _placed(whole, replace(request, detector=names[0]), parts, design.p_d)
+    placed = _placed(whole, replace(request, detector=names[0]), scenes, design.p_d)
     # The share that is visible in as many seas as the object is to be detected in: the mean share is too large where waves hide the object.
     contrast = abs(placed.target.contrast) * float(np.quantile(placed.shares, 1.0 - design.p_d, method="higher"))
     tried = tried_detectors(names, placed.near, placed.options, contrast, design, range_m)
@@ -315,8 +389,8 @@ def tried_at(
     return tried
 
 
-def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, ObjectSignal]:
-    """Return the scenario with only the rows about the object, and the signal of the object there.
+def seen_nearby(whole: Scenario, name: str, calm: SceneCache) -> tuple[Scenario, ObjectSignal]:
+    """Return the scenario with only the rows about the object, and the signal of the object there, over the ``calm`` sea of other ranges.
 
     Raises
     ------
@@ -324,10 +398,10 @@ def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, ObjectSignal]:
         Nothing of the object is visible.
     """
     scene = middle_of(whole, _ROWS)
-    target = object_signal(scene, name)
+    target = object_signal(scene, name, calm)
     if 2 * target.shape.half < AROUND:
         return scene, target
-    return whole, target if scene is whole else object_signal(whole, name)
+    return whole, target if scene is whole else object_signal(whole, name, calm)
 
 
 def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -361,7 +435,7 @@ def _over_seas(
     return p_d, [max(p_d - below, 0.0), min(p_d + above, 1.0)]
 
 
-def first_estimate(scenario: Scenario, request: RangeRequest, bearing: float | None) -> float:
+def first_estimate(scenario: Scenario, request: RangeRequest, bearing: float | None, scenes: RangeScenes) -> float:
     """Return the range at which P_d of :func:`estimated_p_d` falls below the requested P_d [m].
 
     It is the nearest range where P_d is below at once, and close to the farthest where P_d is never below.
@@ -370,9 +444,9 @@ def first_estimate(scenario: Scenario, request: RangeRequest, bearing: float | N
     near, far = request.limits
 
     def detected(at: float) -> bool:
-        placed = middle_of(placed_at(scenario, name, at, bearing), _ROWS, COLUMNS)
+        placed = middle_of(looking_near(placed_at(scenario, name, at, bearing)), _ROWS, COLUMNS)
         try:
-            return estimated_p_d(placed, object_signal(placed, name), design) >= design.p_d
+            return estimated_p_d(placed, object_signal(placed, name, scenes.calm), design, scenes) >= design.p_d
         except DataError:
             return False
 
@@ -395,7 +469,7 @@ class DetectorChoice:
 
 
 def choose(
-    scenario: Scenario, request: RangeRequest, estimate: float, bearing: float | None, parts: StudyParts, report: Callable[[str], None]
+    scenario: Scenario, request: RangeRequest, estimate: float, bearing: float | None, scenes: RangeScenes, report: Callable[[str], None]
 ) -> DetectorChoice:
     """Choose a detector by its margin of contrast at an estimate of the range.
 
@@ -410,7 +484,7 @@ def choose(
     rounds = 0
     for _ in range(2 * ROUNDS):
         try:
-            latest = tried_at(scenario, request, at, bearing, parts)
+            latest = tried_at(scenario, request, at, bearing, scenes)
         except DataError:
             margin = SMALLEST
         else:
@@ -435,31 +509,41 @@ def detection_range(
     *,
     bearing_deg: float | None = None,
     report: Callable[[str], None] = lambda text: None,
+    workers: Workers | None = None,
 ) -> DetectionRange:
     """Return the range up to which an object is detected.
 
     P_d is taken to fall with the range. Frames are first searched near an estimate by the Gaussian law; from there the range is changed
     until P_d is above and below the requested P_d, and the logarithm of the range between is bisected. The ends are the interval reported.
     Where the request states no detector, the best of :data:`~seaglint.detection.detector_names.TRIED` at the estimate is taken, and the
-    search begins where it was chosen.
+    search begins where it was chosen. Seas are rendered by ``workers``, by default in this process; results do not depend on them.
 
     Returns
     -------
     DetectionRange
         Range with its interval, the points tried, and a note where the range is beyond the limits.
     """
+    scenes = RangeScenes(parts, workers)
+    result = _searched(scenario, request, scenes, bearing_deg, report)
+    scenes.forget_frames()
+    return result
+
+
+def _searched(
+    scenario: Scenario, request: RangeRequest, scenes: RangeScenes, bearing_deg: float | None, report: Callable[[str], None]
+) -> DetectionRange:
     near, far = request.limits
     name, goal = request.object or "", request.design().p_d
     points: list[RangePoint] = []
 
     def rate(at: float) -> float:
-        points.append(p_d_at(scenario, request, at, bearing_deg, parts))
+        points.append(p_d_at(scenario, request, at, bearing_deg, scenes))
         report(f"{name} at {at:.0f} m{'' if bearing_deg is None else f', {bearing_deg:g} deg from the Sun'}: P_d {points[-1].p_d:.3g}")
         return points[-1].p_d
 
     middle_of_ends, note = None, None
     ends: list[float | None]
-    estimate = first_estimate(scenario, request, bearing_deg)
+    estimate = first_estimate(scenario, request, bearing_deg, scenes)
     about = "below " if estimate == near else ""
     report(
         f"{name}: first estimate {about}{estimate:.0f} m, from mean contrast, deviation of the clutter and the Gaussian law; "
@@ -468,7 +552,7 @@ def detection_range(
     low, high = max(near, estimate / STEP), min(far, estimate * STEP)
     tried_first: list[TriedDetector] = []
     if request.detector is None:
-        choice = choose(scenario, request, estimate, bearing_deg, parts, report)
+        choice = choose(scenario, request, estimate, bearing_deg, scenes, report)
         request, tried_first, low = replace(request, detector=choice.detector), choice.tried, choice.range_m
         high = min(far, low * STEP)
     try:
@@ -499,7 +583,7 @@ def detection_range(
     if not tried_first and middle_of_ends is not None and 2.0 * middle_of_ends <= far:
         other = "top-hat" if request.detector != "top-hat" else "matched"
         try:
-            twice = p_d_at(scenario, with_detector(request, other), 2.0 * middle_of_ends, bearing_deg, parts)
+            twice = p_d_at(scenario, with_detector(request, other), 2.0 * middle_of_ends, bearing_deg, scenes)
         except DataError:
             twice = RangePoint(2.0 * middle_of_ends)  # a check that fails leaves the range unchanged
         report(f"{name} at {twice.range_m:.0f} m, {other}: P_d {twice.p_d:.3g}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -61,6 +61,7 @@ class IndependentSeas:
     scenario: Scenario  #: Scenario without objects.
     sequence: Sequence  #: Rendered scene; with a sensor drawn finer than its pixels.
     sensed: SensedSequence | None  #: Sensor on that scene; None where the scenario has none.
+    _lit: list[Sequence] = field(default_factory=list, repr=False)
 
     @classmethod
     def of(cls, scenario: Scenario) -> IndependentSeas:
@@ -118,6 +119,11 @@ class IndependentSeas:
             return None
         line = self.model.readout
         return float(line.radiance(min(float(line.counts(line.full_scale)), float(line.top_count))))
+
+    def with_objects(self, scenario: Scenario) -> Sequence:
+        """Return the rendered scene with the objects of a scenario that differs in nothing else; the light about them is computed once."""
+        self._lit[:] = [(self._lit[0] if self._lit else self.sequence).with_sea_of(scenario)]
+        return self._lit[0]
 
     def sea(self, number: int, length: int) -> Frames:
         """Return the frames of one sea, at the scenario's frame rate, shape (length, rows, columns) [W m-2 sr-1].

@@ -16,7 +16,8 @@ from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.representation import card, notes, table
-from seaglint.cluster import Workers
+from seaglint.cluster import Job, Workers
+from seaglint.cluster.job import record_of
 from seaglint.clutter.filters import named as named_filter
 from seaglint.store.detection_results import DetectionCase, DetectionRange, StudyParts
 from seaglint.studies.detect.detection_requests import CasesRequest, RangeRequest, SceneRequest
@@ -202,9 +203,15 @@ def _line(number: int, cases: int, case: DetectionCase) -> str:
 
 
 def ranges_of(
-    cases: Sequence[StudyCase], request: RangeRequest, parts: StudyParts, *, report: Callable[[str], None] = lambda text: None
+    cases: Sequence[StudyCase],
+    request: RangeRequest,
+    parts: StudyParts,
+    *,
+    progress: Progress | None = None,
+    report: Callable[[str], None] = lambda text: None,
+    workers: Workers | None = None,
 ) -> list[DetectionRange]:
-    """Return the range of an object in every case, at every bearing.
+    """Return the range of an object in every case, at every bearing; stored ranges are used unchanged.
 
     Parameters
     ----------
@@ -213,9 +220,13 @@ def ranges_of(
     request : RangeRequest
         Object, bearings, detector and limits.
     parts : StudyParts
-        Store of frames and of P_d at each range.
+        Store of frames and of P_d at each range; each range that is searched has a folder in it.
+    progress : callable, optional
+        Called with (ranges done, ranges in all).
     report : callable
         Called with lines on the progress.
+    workers : Workers, optional
+        Workers that search the ranges, or render the seas of a single one; this process by default. Results do not depend on them.
 
     Raises
     ------
@@ -224,10 +235,52 @@ def ranges_of(
     """
     request = request.of_objects([item.name for item in cases[0].scenario.objects or ()])
     request.require_valid()
-    ranges = []
-    for case in cases:
-        own = with_settings(request, case.study)
-        for bearing in request.bearings if request.bearings is not None else (None,):
-            result = detection_range(case.scenario, own, parts, bearing_deg=bearing, report=report)
-            ranges.append(replace(result, parameters=case.parameters))
-    return ranges
+    searches = [(case, bearing) for case in cases for bearing in (request.bearings if request.bearings is not None else (None,))]
+    settings = (request, parts)
+    found: dict[int, DetectionRange] = {}
+    shown = progress or (lambda done, total: None)
+    if workers is None or len(searches) == 1:
+        search = range_searcher(settings, workers, report)
+        for number, one in enumerate(searches):
+            found[number], _ = search((number, *one))
+            shown(len(found), len(searches))
+    else:
+        with workers.map(Job(range_searcher, settings), [(number, *one) for number, one in enumerate(searches)]) as outcomes:
+            for outcome in outcomes:
+                found[outcome.unit[0]], lines = record_of(outcome)
+                for line in lines:
+                    report(line)
+                shown(len(found), len(searches))
+    return [found[number] for number in range(len(searches))]
+
+
+RangeUnit = tuple[int, StudyCase, float | None]  #: Number of a search, its case, and the bearing from the Sun [deg].
+
+
+def range_searcher(
+    settings: tuple[RangeRequest, StudyParts], workers: Workers | None = None, report: Callable[[str], None] = lambda text: None
+) -> Callable[[RangeUnit], tuple[DetectionRange, list[str]]]:
+    """Return a function that searches a range, and returns it with the lines that it reported.
+
+    ``settings`` are the request, whose object is named, and the store.
+    """
+    request, parts = settings
+
+    def search(unit: RangeUnit) -> tuple[DetectionRange, list[str]]:
+        number, case, bearing = unit
+        lines: list[str] = []
+
+        def note(line: str) -> None:
+            lines.append(line)
+            report(line)
+
+        own, inner = with_settings(request, case.study), parts.within(f"range-{number:04d}")
+        content = pickle.dumps((case.scenario.model_dump_json(), bearing, own.settings, own.object, own.limits, own.share), protocol=5)
+        key = f"found-{hashlib.sha256(content).hexdigest()[:16]}"
+        if (stored := inner.case(key)) is not None:
+            return replace(DetectionRange.of(stored), parameters=case.parameters), lines
+        result = detection_range(case.scenario, own, inner, bearing_deg=bearing, report=note, workers=workers)
+        inner.keep_case(key, result.as_dict())
+        return replace(result, parameters=case.parameters), lines
+
+    return search

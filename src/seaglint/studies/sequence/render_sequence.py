@@ -25,6 +25,7 @@ from seaglint.imaging.layers import SPARKLE, Layers
 from seaglint.imaging.refraction import RefractedScene, RowShift
 from seaglint.imaging.scene import Scene, image
 from seaglint.imaging.upright_scene import SweptScene
+from seaglint.objects.drawing.compose import BodySight
 from seaglint.objects.drawing.image_path import View
 from seaglint.objects.drawing.light import Counting
 from seaglint.optics.band import apparent_temperature
@@ -164,6 +165,15 @@ class Sequence:
         window = (columns or (0, scene.pixels.columns), (0, scene.pixels.rows))
         return self.objects.draw(scene, pose, time, (layers, sea), window, compose=compose)
 
+    def sights(self, time: float, columns: tuple[int, int]) -> tuple[BodySight, ...]:
+        """Return the sights of objects at a time [s] in ``columns``, first and end, over a dark sea, which is not drawn."""
+        if self.objects is None:
+            return ()
+        scene, pose = self.scene_at(time), self.track.at(time)
+        dark = np.zeros((scene.pixels.rows, columns[1] - columns[0]), np.float32)
+        image = Layers({"radiance": dark, "glint_radiance": dark}), scene.sea(pose, time)
+        return self.objects.draw(scene, pose, time, image, (columns, (0, scene.pixels.rows))).sights
+
     def scene_at(self, time: float) -> Scene:
         """Return the scene under the Sun of a time from the start [s]."""
         return self.scene if self.sun is None else self.sun.scene(self.scene, time)
@@ -184,7 +194,8 @@ class Sequence:
     def with_sea_of(self, scenario: Scenario) -> Sequence:
         """Return this sequence with the seed and the objects of another scenario, which differs in nothing else."""
         reseeded = replace(self, objects=None).reseeded(scenario.seed)
-        objects = SceneObjects.of(bodies_of(scenario), reseeded.scene.waves, shadows=scenario.render.object_shadows)
+        others = SceneObjects.of if self.objects is None else self.objects.others
+        objects = others(bodies_of(scenario), reseeded.scene.waves, shadows=scenario.render.object_shadows)
         objects = None if objects is None else objects.counting(self.counted)
         previous = reseeded.layout.attributes
         attributes = {**previous, **provenance(previous["title"], scenario.model_dump_json(exclude_none=True), scenario.seed)}

@@ -160,9 +160,14 @@ class SceneObjects:
         placed = bodies(waves)
         return cls(Drawer.of(placed), bodies, shadows) if placed else None
 
+    def others(self, bodies: BodiesOf, waves: WaveField | None, *, shadows: bool = False) -> SceneObjects | None:
+        """Return other objects over a sea, in the light that is already computed; None without objects."""
+        placed = bodies(waves)
+        return replace(self, drawer=self.drawer.moved(placed), _bodies=bodies, shadows=shadows) if placed else None
+
     def counting(self, counted: Counting | None) -> SceneObjects:
         """Return the objects before a detector that counts photons, or of energy (None)."""
-        return replace(self, drawer=Drawer.of(self.drawer.bodies, counted))
+        return replace(self, drawer=self.drawer.counting(counted))
 
     def over(self, waves: WaveField | None) -> SceneObjects:
         """Return the objects over another realisation of the sea."""
