@@ -10,7 +10,7 @@ import math
 from collections import OrderedDict
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cache, partial
 from typing import Any, Self
 
 import numpy as np
@@ -104,19 +104,15 @@ class _AttitudePlan:
 
 @dataclass(frozen=True, eq=False)
 class _Height:
-    """Scene prepared for one sensor height: the sweep's, if any pixel is swept, and the rays', prepared on first use."""
+    """Scene prepared for one sensor height: the sweep's, if any pixel is swept, and what rays need, prepared on first use.
+
+    ``rays`` and ``sun`` do not depend on the seed: other realisations of the sea share them.
+    """
 
     view: SeaView
     swept: SweptScene | None
-    prepare_rays: Callable[[], RayTables]
-
-    @cached_property
-    def rays(self) -> RayTables:
-        return self.prepare_rays()
-
-    @cached_property
-    def sun(self) -> SunInSky:
-        return sun_in_sky(self.view)
+    rays: Callable[[], RayTables]
+    sun: Callable[[], SunInSky]
 
 
 @dataclass(frozen=True, eq=False)
@@ -355,7 +351,7 @@ class TurnedScene:
                 sparkles=self.sparkles,
                 finer=self._finer,
             )
-        self._heights[at] = _Height(view, swept, partial(self._rays, view))
+        self._heights[at] = _Height(view, swept, cache(partial(self._rays, view)), cache(partial(sun_in_sky, view)))
         while len(self._heights) > CACHED_HEIGHTS:
             self._heights.popitem(last=False)
         return self._heights[at]
@@ -446,8 +442,8 @@ class TurnedScene:
             _resample(plan, np.concatenate([scene.planes(upright, time, surface, part) for part in plan.parts], axis=2), out)
         if plan.walked.size:
             bounds = levels.bounds(lattices)
-            channels = launch.pixels_of_rays(prepared.rays, surface, bounds, pose.height, plan.corner, plan.walked, plan.samples)
-            channels[:, TOTAL] += disc_in_pixels(prepared.sun, plan.corner, plan.walked) * (1.0 - channels[:, COVERAGE])
+            channels = launch.pixels_of_rays(prepared.rays(), surface, bounds, pose.height, plan.corner, plan.walked, plan.samples)
+            channels[:, TOTAL] += disc_in_pixels(prepared.sun(), plan.corner, plan.walked) * (1.0 - channels[:, COVERAGE])
             sky = channels[:, TOTAL] - channels[:, SUN] - channels[:, EMITTED] - channels[:, PATH]
             for k, kind in enumerate(kinds):
                 out[k, plan.walked] = sky if kind == SKY else channels[:, kind]
