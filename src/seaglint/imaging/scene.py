@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol, Self
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -138,7 +137,7 @@ class Levels:
 
     def lattices(self, time: float) -> tuple[NDArray[np.float32], ...]:
         """Return heights [m] and slopes [1] of every part at a time [s]."""
-        return self.detail.surfaces(time, workers=numba.get_num_threads())
+        return self.detail.surfaces(time)
 
     def surface(self, lattices: tuple[NDArray[np.float32], ...], origin: tuple[float, float]) -> Surface:
         """Return the sea of one instant, with the sensor above ``origin``, east and north [m]."""

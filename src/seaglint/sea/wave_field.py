@@ -37,6 +37,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Final, Literal
 
 import numpy as np
@@ -45,7 +46,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.base.jit import njit
+from seaglint.base.jit import in_threads, njit
 from seaglint.base.random import stream
 from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.spectra.directional import DirectionalSpectrum
@@ -319,6 +320,7 @@ def _turns(tile: Tile) -> tuple[FloatArray, FloatArray]:
     return q * (2.0 * np.pi / tile.n), p * (2.0 * np.pi / tile.n)
 
 
+@lru_cache(maxsize=64)
 def _gains(tile: Tile, reading: Reading) -> ComplexArray:
     """Factors of the coefficients of a tile's waves (rows, columns, 1 or 2); complex like the coefficients."""
     q, p = _turns(tile)
@@ -555,9 +557,17 @@ class Detail:
             out.append(_level(parts, tuple(used)))
         return Detail(tuple(parts), tuple(out))
 
-    def surfaces(self, time: float, workers: int = 1) -> tuple[NDArray[np.float32], ...]:
+    def surfaces(self, time: float) -> tuple[NDArray[np.float32], ...]:
         """Lattices of every part at one time [s], from which heights and slopes are read (:meth:`WaveField.coefficients`)."""
-        return tuple(part.coefficients(time, workers)[0] for part in self.parts)
+        out: list[SurfaceArray] = [np.empty(0, np.float32)] * len(self.parts)
+
+        def transform(numbers: tuple[int, int]) -> None:
+            for i in range(*numbers):
+                out[i] = self.parts[i].coefficients(time)[0]
+
+        # parts side by side, as everything but the transforms has one thread
+        in_threads(transform, len(out))
+        return tuple(out)
 
 
 def _level(parts: list[WaveField], level: tuple[int, ...]) -> Level:
