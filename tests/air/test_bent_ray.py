@@ -52,3 +52,27 @@ def test_followed_rays_come_as_far_as_the_integral_says():
     cosine = np.array([0.003, 0.02, 0.5])
     followed = [AIR.ray(300.0, 0.5 * np.pi + float(d)).arc[-1] * AIR.earth_radius for d in AIR.depression(300.0, cosine)]
     np.testing.assert_allclose(followed, AIR.sea_arc(300.0, cosine), rtol=2e-5)
+
+
+def bisected(air, height, invariant):
+    """Lowest point of one descending ray, by bisection of single numbers."""
+    if invariant <= air.sea_invariant:
+        return 0.0
+    low, high = 0.0, height
+    for _ in range(60):
+        midpoint = 0.5 * (low + high)
+        low, high = (midpoint, high) if float(air.invariant(midpoint)) < invariant else (low, midpoint)
+    return high
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_rays_followed_together_are_the_rays_followed_alone(seed):
+    rng = np.random.default_rng(seed)
+    height = float(np.exp(rng.uniform(0.0, 9.0)))
+    zenith = [*(0.5 * np.pi + rng.uniform(-1.0, 3.0, 9) * AIR.dip(height)), 0.3, 2.8]
+    for together, angle in zip(AIR.rays(height, zenith), zenith, strict=True):
+        alone = AIR.ray(height, float(angle))
+        for name in ("height", "length", "zenith", "arc"):
+            assert getattr(together, name).tobytes() == getattr(alone, name).tobytes()
+    invariants = AIR.invariant(height, np.sin(zenith))
+    assert AIR.lowest(height, invariants).tolist() == [bisected(AIR, height, float(c)) for c in invariants]

@@ -122,3 +122,19 @@ def test_sums_through_many_levels_are_those_of_finer_pieces(band, monkeypatch):
     monkeypatch.setattr(bent_ray, "MOST_NODE_LEVELS", 10**6)
     monkeypatch.setattr(bent_ray, "GROWTH", 1.05)
     assert np.abs(own - seen()).max() < 0.01
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_sky_next_to_the_horizon_does_not_need_the_rest(seed):
+    """Spectra of a part of the sky alone, against those of the whole sky: the end of their spline is eight rays away."""
+    rng = np.random.default_rng(seed)
+    models = ("tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-winter", "us-standard-1976")
+    wind, height = rng.uniform(0.0, 18.0), float(np.exp(rng.uniform(np.log(2.0), np.log(3000.0))))
+    nu = wavenumber_grid(*((3.5, 5.0) if seed % 2 else (8.0, 12.0)))
+    profile, haze = model_profile(str(rng.choice(models))), HazeWeather(wind=wind, wind_24h=wind)
+    for top in (-1e-5, np.radians(0.2), np.radians(3.0)):
+        zenith = 0.5 * np.pi - np.linspace(-horizon_depression(height), top, 200)
+        alone = ProfileAtmosphere(profile, haze, nu).sky_radiance(zenith, 0.0, height)
+        whole = ProfileAtmosphere(profile, haze, nu).sky_radiance(np.append(zenith, 0.0), 0.0, height)[:-1]
+        # a millionth of a kelvin of a sky of 250 K at 12 um, less of shorter waves
+        np.testing.assert_allclose(alone, whole, rtol=2e-8)

@@ -245,3 +245,32 @@ def test_unknown_models_and_channels_are_refused():
         model_scatterers("martian", (2500.0,))
     with pytest.raises(DomainError, match="choose a band inside"):
         model_scatterers("tropical", (100.0,))
+
+
+@pytest.mark.parametrize(("zenith", "turn"), [(45.0, 0.44), (83.0, 0.41), (88.5, 0.3), (70.0, 1.5)])
+def test_few_tabulated_suns_are_suns_of_the_whole_table(scattering_air, weights, zenith, turn):
+    """Two Suns, the ends, and the Sun at the foot alone, against thirteen."""
+    light = ScatteredLight(scattering_air, weights, 60.0, np.radians(zenith), np.radians(turn))
+    whole = light.sea_sky
+    first, last = whole.suns[0], whole.suns[0] + (whole.amplitude.shape[0] - 1) / whole.suns[1]
+    elevation, azimuth = np.radians([0.0, 1.0, 8.0, 40.0, 90.0])[:, None], np.radians([0.0, 4.0, 30.0, 100.0, 180.0])
+    two = light.sea_sky_within(light.farthest_turn, 2)
+    assert two.amplitude.shape[0] == 2
+    for few, at, tolerance in (
+        (two, first, 1e-9),
+        (two, last, 1e-9),
+        (light.sea_sky_within(light.farthest_turn, 1), np.radians(zenith), 1e-3),
+    ):
+        found, wanted = (scattered_shares(elevation, azimuth, t, at) @ (t.spectral @ weights) for t in (few, whole))
+        np.testing.assert_allclose(found, wanted, rtol=tolerance)
+
+
+def test_below_the_horizontal_low_sensors_see_the_horizontals_sky(scattering_air, weights):
+    light = ScatteredLight(scattering_air, weights, 60.0, np.radians(75.0))
+    amplitude = light.sky.amplitude
+    assert np.all(amplitude[:, : light.sky.dip_rows] == amplitude[:, light.sky.dip_rows : light.sky.dip_rows + 1])
+    computed, azimuth = (
+        light.sky_spectra(np.array([0.5 * np.pi]), np.radians([0.0, 40.0, 170.0]), 60.0) @ weights,
+        np.radians([0.0, 40.0, 170.0]),
+    )
+    np.testing.assert_allclose(scattered_shares(0.0, azimuth, light.sky)[:, 0], computed[0], rtol=3e-3)

@@ -249,3 +249,41 @@ def test_sky_table_keeps_the_band():
     found = sky.shares[0, j[real], i[real]] @ (spectral @ weights)
     assert real.sum() > 5
     np.testing.assert_allclose(found, wanted, rtol=3e-3)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_paths_are_lit_at_all_azimuths_that_are_looked_into(seed):
+    """Sunlight of paths between two azimuths, against that of all: equal where a line of sight between them reads, wherever the Sun is."""
+    from seaglint.facet.sky import AZIMUTHS, haze_column, sunlit_path
+
+    rng = np.random.default_rng(seed)
+    view = sea_view(hazy(7.0), cox_munk_isotropic(7.0), 30.0, 60.0, float(rng.uniform(-180.0, 360.0)))
+    arcs, first = np.geomspace(100.0, 15e3, 30), float(rng.uniform(-7.0, 7.0))
+    last = first + float(rng.choice([1e-6, 0.03, 0.5, 4.0, 2.0 * np.pi]))
+    part, whole = sunlit_path(view, arcs, (first, last)), sunlit_path(view, arcs, (0.0, 2.0 * np.pi))
+    assert part.row.tobytes() == whole.row.tobytes()
+    assert np.all(np.isfinite(whole.haze.values))
+    for azimuth in np.linspace(first, last, 300):
+        i = haze_column(part.haze, azimuth)[0]
+        assert part.haze.values[i : i + 2].tobytes() == whole.haze.values[i : i + 2].tobytes()
+    if last - first < 0.1:
+        assert np.isfinite(part.haze.values).all(axis=1).sum() < 0.1 * AZIMUTHS
+
+
+def test_mirrored_skies_are_amplitudes_times_phase_functions():
+    """The kernel that fills shares, against products of arrays."""
+    from seaglint.facet.mirrored_haze import _fill_shares
+
+    rng = np.random.default_rng(5)
+    elevation, half, zenith = np.arcsin(np.linspace(0.0, 1.0, 9) ** 2), np.linspace(0.0, 1.0, 33), np.array([0.9, 1.0])
+    phase, amplitude = rng.random((33, 4)), rng.random((2, 9, 17, 4, 3))
+    found = np.empty((2, 9, 33, 3))
+    _fill_shares(elevation, half, zenith, phase, amplitude, found)
+    for t, z in enumerate(zenith):
+        for j, e in enumerate(elevation):
+            flat = max(np.cos(e) * np.sin(z), 1e-9)
+            column = np.clip((half**2 - np.sin(0.5 * (0.5 * np.pi - e - z)) ** 2) / flat, 0.0, 1.0) * 16
+            i = np.minimum(column.astype(int), 15)
+            f = (column - i)[:, None, None]
+            wanted = np.einsum("ik,ikr->ir", phase, (1.0 - f) * amplitude[t, j, i] + f * amplitude[t, j, i + 1])
+            np.testing.assert_allclose(found[t, j], wanted, rtol=1e-12)

@@ -9,6 +9,7 @@ from render_scenes import BAND, camera, elfouhaily, sea_view, shown, swept_scene
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import horizon_depression
+from seaglint.imaging import upright_scene
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
 from seaglint.imaging.sun_in_sky import sun_in_sky
@@ -125,3 +126,14 @@ def test_the_disc_is_no_glint():
     assert sky == pytest.approx(1.0, rel=2e-3)
     assert 0.3 < glint < 1.0, "mirrored at 85 deg"
     assert np.all(image.radiance < np.finfo(np.float32).max)
+
+
+@pytest.mark.parametrize("above", [-1.2, -0.5, 0.9, 1.0001, 1.5, 90.0])
+def test_a_disc_above_the_picture_is_left_out_of_nothing(above, monkeypatch):
+    """The same bytes with the light of the disc computed, wherever the upper edge of the picture is; ``above`` counts its radii."""
+    view, top = bright(60.0), 30.0 - np.degrees(above * SOLAR_ANGULAR_RADIUS)
+    eye = camera(HEIGHT, top, top - 1.0, 20, azimuth=AZIMUTH, width=1.0, columns=21)
+    image = shown(swept_scene(view, eye), 0.0).radiance
+    assert (sun_in_sky(view, eye.top).radiance == 0.0) == (above > 1.0)
+    monkeypatch.setattr(upright_scene, "sun_in_sky", lambda view, top: sun_in_sky(view))
+    assert shown(swept_scene(view, eye), 0.0).radiance.tobytes() == image.tobytes()

@@ -7,9 +7,9 @@ from seaglint.base.errors import DomainError
 from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import flat
-from seaglint.sea.spectra import ElfouhailySpectrum, PiersonMoskowitzSpectrum
+from seaglint.sea.spectra import CombinedSpectrum, ElfouhailySpectrum, JonswapSpectrum, MeasuredSpectrum, PiersonMoskowitzSpectrum
 from seaglint.sea.tiles import Tile, longest_wave_number, plan_tiles, resolve_limit
-from seaglint.sea.wave_field import WaveField
+from seaglint.sea.wave_field import WaveField, _cell_variance
 
 WIND_TO = np.radians(60.0)
 SEA = ElfouhailySpectrum(10.0, WIND_TO)
@@ -216,3 +216,36 @@ def test_too_few_points_for_the_sea_state_are_refused_with_the_length_needed():
 def test_impossible_requests_are_refused(call, match):
     with pytest.raises(DomainError, match=match):
         call()
+
+
+def midpoint_sums(spectrum, tile, p, q, order):
+    """Integrals of the spectrum along k and along -k over lattice cells, point by point."""
+    offsets = (np.arange(order) + 0.5) / order - 0.5
+    c, s = np.cos(tile.rotation) * tile.step, np.sin(tile.rotation) * tile.step
+    along, against = np.zeros(p.shape), np.zeros(p.shape)
+    for du in offsets:
+        for dv in offsets:
+            east, north = c * (p + du) - s * (q + dv), s * (p + du) + c * (q + dv)
+            k, azimuth = np.hypot(east, north), np.arctan2(east, north)
+            inside = (k >= tile.k_min) & (k < tile.k_max) & (k > 0.0)
+            safe = np.where(inside, k, tile.k_max)
+            level = np.where(inside, spectrum.omnidirectional(safe) / safe, 0.0)
+            along += level * spectrum.spreading(safe, azimuth)
+            against += level * spectrum.spreading(safe, azimuth + np.pi)
+    return along * (tile.step / order) ** 2, against * (tile.step / order) ** 2
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_cells_are_integrated_together_as_point_by_point(seed):
+    """Equal bytes for models, swell, sums of both and a buoy's moments, over random tiles and cells."""
+    rng = np.random.default_rng(seed)
+    swell = JonswapSpectrum(2.0, 12.0, rng.uniform(0.0, 6.0), wind_to_azimuth=1.0)
+    wind_sea = ElfouhailySpectrum(rng.uniform(2.0, 15.0), 1.0)
+    f = np.geomspace(0.05, 0.5, 20)
+    buoy = MeasuredSpectrum(f, f**-4 * np.exp(-((0.1 / f) ** 4)) * 1e-3, np.full(20, 0.6 + 0.2j), np.full(20, 0.3 + 0.1j), 1.0)
+    sea = (wind_sea, PiersonMoskowitzSpectrum(12.0, 4.0), swell, CombinedSpectrum((swell, wind_sea)), buoy, wind_sea)[seed]
+    tile = plan_tiles(sea, SHORTEST, 256)[rng.integers(3)]
+    p, q = rng.integers(0, 64, 40).astype(float), rng.integers(-64, 64, 40).astype(float)
+    for order in (2, 4, 12):
+        found, wanted = _cell_variance(sea, tile, p, q, order), midpoint_sums(sea, tile, p, q, order)
+        assert [one.tobytes() for one in found] == [one.tobytes() for one in wanted]

@@ -154,7 +154,7 @@ def facet_tables(
         np.stack([nodes for nodes, _ in axes_of]),
         np.ascontiguousarray(reflected),
     )
-    return sun, levels, PathTerms(thermal_path, sun_path, emission_path, basis.path_radiance, sunlit_path(view, arcs))
+    return sun, levels, PathTerms(thermal_path, sun_path, emission_path, basis.path_radiance, sunlit_path(view, arcs, azimuths))
 
 
 def _leans(roughs: list[Roughness]) -> tuple[NDArray[np.float32], FloatArray]:

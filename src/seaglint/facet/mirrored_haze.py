@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from seaglint.air.scattering.scattered_light import ScatteredTable, scattered_shares
+from seaglint.air.scattering.scattered_light import ScatteredTable, amplitudes_at
 from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_range, view_zenith_of_range
@@ -41,6 +41,8 @@ ELEVATIONS: Final = 129
 ANGLES: Final = 513  #: Number of nodes uniform in the sine of half the scattering angle, 0.22 deg apart at the Sun.
 
 SUNS: Final = 5  #: Number of zenith angles of the Sun over the sea in view, where it differs.
+
+FEW_SUNS: Final = math.radians(1.0)  #: Range of zenith angles of the Sun of which the two ends suffice [rad].
 
 REACH: Final = 4.5  #: Largest facet slope that is summed, in standard deviations: 7e-6 of the slopes lie beyond.
 
@@ -90,43 +92,51 @@ class Lines(NamedTuple):
 
 
 def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, FloatArray]:
-    """Scattered sky of a table on the nodes that facets read, and its spectral shapes [W m-2 sr-1 per cm-1, (r, n)].
+    """Scattered sky of a table, for its Suns, on the nodes that facets read, and its spectral shapes [W m-2 sr-1 per cm-1, (r, n)].
 
     The number of shapes is the smallest that the band allows.
 
     ``weights``: quadrature weights of the band [cm-1, (n,)].
     """
-    several = table.suns[1] > 0.0
+    suns, _, columns, count, spectra = table.amplitude.shape
     # the whole disc: the share above a place's horizon is applied at the place
-    first = table.suns[0] if several else min(table.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS)
-    last = first + (table.amplitude.shape[0] - 1) / table.suns[1] if several else first
-    zenith = np.linspace(first, last, (SUNS if last - first > np.radians(1.0) else 2) if several else 1)
+    first, per_radian = table.suns if suns > 1 else (min(table.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS), 0.0)
+    zenith = first + np.arange(suns) / per_radian if suns > 1 else np.array([first])
     elevation = np.arcsin(np.linspace(0.0, 1.0, ELEVATIONS) ** 2)
     half = np.linspace(0.0, 1.0, ANGLES)
-    columns = np.linspace(0.0, 1.0, table.amplitude.shape[2])
-    azimuth = 2.0 * np.arcsin(np.sqrt(columns))
-    grid = np.meshgrid(zenith, elevation, azimuth, indexing="ij")
-    one = np.eye(table.angular.shape[1])
-    # a table whose phase functions are 1 returns its amplitudes (t, j, columns, k, r)
-    ask = [scattered_shares(grid[1], grid[2], table._replace(angular=np.stack([k, k])), grid[0]) for k in one]
-    amplitude = np.stack(ask, axis=3)
+    amplitude = np.empty((suns, ELEVATIONS, columns, count, spectra))
+    amplitudes_at(elevation, table, amplitude)
     angle = np.linspace(0.0, math.pi, table.angular.shape[0])
     phase = np.stack([np.interp(2.0 * np.arcsin(half), angle, k) for k in table.angular.T], axis=1)
-    some = np.einsum("ik,tjakr->tjiar", phase[::32], amplitude[:, ::8, ::4]).reshape(-1, amplitude.shape[-1])
+    some = np.einsum("ik,tjakr->tjiar", phase[::32], amplitude[:, ::8, ::4]).reshape(-1, spectra)
     mixed, spectral = _fewest_shapes(some, table.spectral, weights)
-    amplitude = amplitude @ mixed
-    shares = np.empty((zenith.size, ELEVATIONS, ANGLES, mixed.shape[1]))
-    for t, z in enumerate(zenith):
-        lean = np.sin(0.5 * (0.5 * math.pi - elevation - z))
-        flat = np.maximum(np.cos(elevation) * math.sin(z), 1e-9)
-        for j in range(ELEVATIONS):
-            # angles that an elevation does not have take the amplitude of the nearest azimuth
-            column = np.clip((half**2 - lean[j] ** 2) / flat[j], 0.0, 1.0) * (columns.size - 1)
-            i = np.minimum(column.astype(int), columns.size - 2)
-            f = (column - i)[:, None, None]
-            here = (1.0 - f) * amplitude[t, j, i] + f * amplitude[t, j, i + 1]
-            shares[t, j] = np.einsum("ik,ikr->ir", phase, here)
-    return HazySky(shares, (first, (zenith.size - 1) / (last - first) if several else 0.0)), spectral
+    shares = np.empty((suns, ELEVATIONS, ANGLES, mixed.shape[1]))
+    _fill_shares(elevation, half, zenith, phase, np.ascontiguousarray(amplitude @ mixed), shares)
+    return HazySky(shares, (first, per_radian)), spectral
+
+
+@njit
+def _fill_shares(
+    elevation: np.ndarray, half: np.ndarray, zenith: np.ndarray, phase: np.ndarray, amplitude: np.ndarray, shares: np.ndarray
+) -> None:
+    """Fill the shares ``[t, j, i, r]`` of :func:`hazy_sky`: phase functions times amplitudes at the azimuth of a scattering angle.
+
+    ``half``: sines of half the scattering angles. Angles that an elevation does not have take the amplitude of the nearest azimuth.
+    """
+    columns = amplitude.shape[2]
+    for t in range(zenith.size):
+        for j in range(elevation.size):
+            lean = math.sin(0.5 * (0.5 * math.pi - elevation[j] - zenith[t]))
+            flat = max(math.cos(elevation[j]) * math.sin(zenith[t]), 1e-9)
+            for i in range(half.size):
+                column = min(max((half[i] * half[i] - lean * lean) / flat, 0.0), 1.0) * (columns - 1)
+                a = min(int(column), columns - 2)
+                f = column - a
+                for r in range(shares.shape[3]):
+                    total = 0.0
+                    for k in range(phase.shape[1]):
+                        total += phase[i, k] * ((1.0 - f) * amplitude[t, j, a, k, r] + f * amplitude[t, j, a + 1, k, r])
+                    shares[t, j, i, r] = total
 
 
 def _fewest_shapes(shares: FloatArray, spectral: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -149,7 +159,7 @@ def hazy_facets(view: SeaView, basis: PathBasis) -> tuple[HazyFacets, FloatArray
 
     None in darkness.
     """
-    table = view.scattered.sea_sky
+    table = view.scattered.sea_sky_within(view.farthest_turn, SUNS if 2.0 * view.farthest_turn > FEW_SUNS else 2)
     if is_dark(table):
         return None
     sky, spectral = hazy_sky(table, basis.weights)

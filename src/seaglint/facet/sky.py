@@ -97,8 +97,11 @@ def sky_haze(view: SeaView, elevation: FloatArray) -> Haze:
     return Haze(np.ascontiguousarray(view.sun_distance_factor * sky_map(elevation, _AROUND, table).T), view.solar_azimuth)
 
 
-def sunlit_path(view: SeaView, arcs: FloatArray) -> SunlitPath:
-    """Scattered sunlight of the paths from the sensor to the sea at ascending arcs from its foot [m, (places,)]."""
+def sunlit_path(view: SeaView, arcs: FloatArray, azimuths: tuple[float, float]) -> SunlitPath:
+    """Scattered sunlight of the paths from the sensor to the sea at ascending arcs from its foot [m, (places,)].
+
+    The haze is computed for lines of sight between two ``azimuths`` [rad]; it is not a number at others.
+    """
     table = view.scattered.path
     if is_dark(table):
         return SunlitPath(NO_HAZE, np.zeros(0))
@@ -108,9 +111,22 @@ def sunlit_path(view: SeaView, arcs: FloatArray) -> SunlitPath:
     ratio = np.maximum(slant**2 - height**2, 0.0) / (4.0 * EFFECTIVE_EARTH_RADIUS * (EFFECTIVE_EARTH_RADIUS + height))
     nodes = 2.0 * EFFECTIVE_EARTH_RADIUS * np.arcsin(np.sqrt(ratio))
     elevation = -depression_of_range(height, nodes)
-    out = np.ascontiguousarray(view.sun_distance_factor * path_map(nodes, elevation, _AROUND, table).T)
+    out, seen = (
+        np.full((AZIMUTHS, PATH_ROWS), np.nan),
+        _azimuths_between(azimuths[0] - view.solar_azimuth, azimuths[1] - view.solar_azimuth),
+    )
+    out[seen] = view.sun_distance_factor * path_map(nodes, elevation, _AROUND[seen], table).T
     row = np.log(slant_range(height, arcs) / height) / math.log(table.longest / height) * (PATH_ROWS - 1)
     return SunlitPath(Haze(out, view.solar_azimuth), np.clip(row, 0.0, PATH_ROWS - 1.0))
+
+
+def _azimuths_between(first: float, last: float) -> slice:
+    """Nodes of a haze that are read between two azimuths from the Sun [rad], and one more on each side."""
+    ends = np.abs(np.sin([0.5 * first, 0.5 * last]))
+    # half the azimuth passes the Sun at multiples of pi, and the place opposite to it in between
+    sun, opposite = (math.floor(0.5 * last / math.pi + shift) > math.floor(0.5 * first / math.pi + shift) for shift in (0.0, 0.5))
+    least, most = 0.0 if sun else float(ends.min()), 1.0 if opposite else float(ends.max())
+    return slice(max(math.floor(least * (AZIMUTHS - 1)) - 1, 0), math.ceil(most * (AZIMUTHS - 1)) + 2)
 
 
 class SkyAbove(NamedTuple):

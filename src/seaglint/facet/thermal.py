@@ -9,6 +9,7 @@ Averages over slope statistics are in :mod:`seaglint.facet.emissivity`; each qua
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -337,11 +338,18 @@ def thermal_axes(
 
 
 def band_reflectance(basis: PathBasis, water: WaterIndex) -> FloatArray:
-    """Reflectance [1] over the nodes in the cosine of incidence and the basis' wavenumbers."""
+    """Reflectance [1] over the nodes in the cosine of incidence and the basis' wavenumbers; read-only."""
+    return _reflectance(basis.wavenumber_cm.tobytes(), water)
+
+
+@lru_cache(maxsize=2)  # three sums of a scene need it, and all scenes of one band
+def _reflectance(wavenumber_cm: bytes, water: WaterIndex) -> FloatArray:
     incidence = np.linspace(0.0, 1.0, INCIDENCE_NODES)
     # The outermost samples can lie just outside the water's table where the band ends on its edge: hold the index there.
-    nu = np.clip(basis.wavenumber_cm, 1e4 / water.wavelength_um[-1], 1e4 / water.wavelength_um[0])
-    return reflectance(incidence[:, None], water.index(nu)[None, :])
+    nu = np.clip(np.frombuffer(wavenumber_cm), 1e4 / water.wavelength_um[-1], 1e4 / water.wavelength_um[0])
+    out = reflectance(incidence[:, None], water.index(nu)[None, :])
+    out.flags.writeable = False
+    return out
 
 
 def thermal_sources(basis: PathBasis, view: SeaView) -> ThermalSources:

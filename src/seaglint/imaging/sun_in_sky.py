@@ -27,6 +27,8 @@ from seaglint.facet.sunlight import visible_sun
 #: Number of chords of the disc in a column, at even steps of the arc sine of their distance from the middle: within 1e-5 of its area.
 CHORDS: Final = 32
 
+_ROUNDING: Final = 1e-9  #: Angle by which the elevations of a limb and of an edge may be rounded [rad].
+
 _LARGE: Final = 1.5  #: Angle from the Sun of all corners beyond which a pixel does not contain it [rad].
 
 
@@ -41,19 +43,20 @@ class SunInSky(NamedTuple):
 NO_SUN: Final = SunInSky(0.0, 0.0, 0.0)
 
 
-def sun_in_sky(view: SeaView) -> SunInSky:
+def sun_in_sky(view: SeaView, top: float = 0.5 * math.pi) -> SunInSky:
     """Return the solar disc in view of a sensor, with the radiance ``E / (pi eps^2)`` for the sunlight E at the sensor's height.
 
     Its elevation is the apparent elevation at the sensor's height, the centre of the aureole. For air with sunlight at the sea only, a disc
-    below the horizon at the sensor's foot has the light of a disc on the horizon. :data:`NO_SUN` for a disc below the sensor's horizon.
+    below the horizon at the sensor's foot has the light of a disc on the horizon. :data:`NO_SUN` for a disc below the sensor's horizon, or
+    above the elevation ``top`` of a picture's upper edge [rad]: its light at the sensor's height would be computed for nothing.
     """
     table, elevation = view.scattered.sky, 0.5 * math.pi - view.solar_zenith
     if not is_dark(table):
         # refraction between the sea and the sensor
         elevation += min(view.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS) - table.solar_zenith
-    if elevation + SOLAR_ANGULAR_RADIUS <= -horizon_depression(view.sensor_height):
-        return NO_SUN
     dip = horizon_depression(view.sensor_height)
+    if elevation + SOLAR_ANGULAR_RADIUS <= -dip or elevation - SOLAR_ANGULAR_RADIUS > top + _ROUNDING:
+        return NO_SUN
     # a disc that the horizon cuts has the light of its part above it
     sunlight = view.atmosphere.sunlight_at(view.sensor_height, 0.5 * math.pi - max(elevation, 0.5 * SOLAR_ANGULAR_RADIUS - dip))
     if sunlight is not None:

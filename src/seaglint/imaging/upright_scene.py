@@ -28,7 +28,7 @@ from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed
 from seaglint.imaging.scene import Accuracy, Instant, Levels, joined, require_columns
 from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles, sparkle_rows
-from seaglint.imaging.sun_in_sky import sun_in_sky
+from seaglint.imaging.sun_in_sky import NO_SUN, sun_in_sky
 from seaglint.imaging.sweep.sweep import Rows, Swept
 from seaglint.imaging.sweep.walk import PATH_EVERY, Merging, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
 from seaglint.imaging.wave_surface import Surface
@@ -46,7 +46,9 @@ def sky_rows(view: SeaView, camera: Camera) -> Rows:
     top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
     # one row more, as nothing is interpolated beyond the last
     sky = sky_above(view, np.append(visible, visible[-1:]))
-    return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky, sun_in_sky(view))
+    # a picture without sky has no Sun, and no need of the scattered sky that shifts it
+    sun = sun_in_sky(view, camera.top) if visible.size else NO_SUN
+    return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky, sun)
 
 
 #: Least height of a sensor in significant heights (three standard deviations of the sea); lower sensors would at times be under water.

@@ -357,14 +357,16 @@ def _cell_variance(spectrum: DirectionalSpectrum, tile: Tile, p: FloatArray, q: 
     offsets = (np.arange(order) + 0.5) / order - 0.5
     along, against = np.zeros(p.shape), np.zeros(p.shape)
     for du in offsets:
-        for dv in offsets:
-            east, north = _to_world(tile, p + du, q + dv)
-            k, azimuth = np.hypot(east, north), np.arctan2(east, north)
-            inside = (k >= tile.k_min) & (k < tile.k_max) & (k > 0.0)
-            safe = np.where(inside, k, tile.k_max)
-            level = np.where(inside, spectrum.omnidirectional(safe) / safe, 0.0)
-            along += level * spectrum.spreading(safe, azimuth)
-            against += level * spectrum.spreading(safe, azimuth + np.pi)
+        # one row of midpoints of all cells at once; their sums are taken in a fixed order
+        east, north = _to_world(tile, p + du, q + offsets[:, None])
+        k, azimuth = np.hypot(east, north), np.arctan2(east, north)
+        inside = (k >= tile.k_min) & (k < tile.k_max) & (k > 0.0)
+        safe = np.where(inside, k, tile.k_max)
+        level = np.where(inside, spectrum.omnidirectional(safe) / safe, 0.0)
+        both = level * spectrum.spreading(safe, np.stack([azimuth, azimuth + np.pi]))
+        for v in range(order):
+            along += both[0, v]
+            against += both[1, v]
     area = (tile.step / order) ** 2
     return along * area, against * area
 

@@ -7,6 +7,7 @@ import platform
 import sys
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final
 
@@ -25,6 +26,7 @@ PROCESSORS_MIXED: Final = "frames were made on processors of several types: betw
 _PACKAGES: Final = ("numpy", "scipy", "numba", "zarr")
 
 
+@cache  # reading a distribution's metadata takes a millisecond, and a data set has thousands of scenes
 def package_version(name: str) -> str:
     """Return the installed version of a distribution, or ``"not installed"``; the package itself is not imported."""
     try:

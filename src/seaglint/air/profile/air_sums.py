@@ -16,7 +16,6 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Final, cast
 
 import numpy as np
@@ -287,14 +286,17 @@ class AirSums:
 
     def along_each(self, height: float, zenith: Sequence[float], end: float | None = None) -> list[RaySpectra]:
         """Spectra along several rays, as :meth:`along`."""
-        paths = [self._rays.get(("along", height, z, end), partial(self._gas_ray, height, z, end)) for z in zenith]
+
+        def computed(which: Sequence[int]) -> list[GasRay]:
+            # lowest points are found together, all else ray by ray: its arrays stay in the processor's cache
+            return [self._gas_ray(ray) for ray in self.air.rays(height, [zenith[k] for k in which], end)]
+
+        paths = self._rays.get_each([("along", height, z, end) for z in zenith], computed)
         hazes = self._hazes_of(paths)
         return [RaySpectra(cast(BentRay, path.ray), *self._emitting(path, haze)) for path, haze in zip(paths, hazes, strict=True)]
 
-    def _gas_ray(self, height: float, zenith: float, end: float | None) -> GasRay:
-        ray = self.air.ray(height, zenith, end)
-        amounts, mean = self.ray_amounts(ray)
-        return self._gas_path(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), ray.height, amounts, mean)
+    def _gas_ray(self, ray: BentRay) -> GasRay:
+        return self._gas_path(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), ray.height, *self.ray_amounts(ray))
 
     def _hazes_of(self, paths: Sequence[GasRay]) -> list[FloatArray]:
         """Amounts of the aerosols in the pieces of each path [(pieces, aerosols)]."""
@@ -308,12 +310,15 @@ class AirSums:
 
     def passed_each(self, height: float, zenith: Sequence[float]) -> FloatArray:
         """Transmittance [1, (rays, n)] of several whole rays, as :meth:`passed`."""
-        paths = [self._rays.get(("passed", height, z), partial(self._passed_ray, height, z)) for z in zenith]
+
+        def computed(which: Sequence[int]) -> list[GasRay]:
+            return [self._passed_ray(ray) for ray in self.air.rays(height, [zenith[k] for k in which])]
+
+        paths = self._rays.get_each([("passed", height, z) for z in zenith], computed)
         hazes = self._hazes_of(paths)
         return np.stack([np.exp(-path.depth - self.haze_depth(haze.sum(axis=0))) for path, haze in zip(paths, hazes, strict=True)])
 
-    def _passed_ray(self, height: float, zenith: float) -> GasRay:
-        ray = self.air.ray(height, zenith)
+    def _passed_ray(self, ray: BentRay) -> GasRay:
         return GasRay(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), self.gas_depth(*self.ray_amounts(ray)))
 
     def gas_depth(self, amounts: FloatArray, mean: FloatArray) -> FloatArray:

@@ -7,6 +7,7 @@ in the length, so that :math:`\Delta s = 2 \Delta z / (\cos\theta_1 + \cos\theta
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -147,15 +148,15 @@ class RefractingAir:
         c = np.clip(np.asarray(sea_cosine, dtype=np.float64), 0.0, 1.0)
         return np.asarray(self.sea_invariant - c * c / (1.0 + np.sqrt((1.0 - c) * (1.0 + c))) * (self.earth_radius + self.sea_invariant))
 
-    def lowest(self, height: float, invariant: float) -> float:
-        """Height of the lowest point of a descending ray [m], 0 where it meets the sea."""
-        if invariant <= self.sea_invariant:
-            return 0.0
-        low, high = 0.0, height
+    def lowest(self, height: float, invariant: ArrayLike) -> FloatArray:
+        """Heights of the lowest points of descending rays with invariants [m, (...)], 0 where they meet the sea."""
+        of_ray = np.asarray(invariant, dtype=np.float64)
+        low, high = np.zeros(of_ray.shape), np.full(of_ray.shape, height)
         for _ in range(60):  # bisection to the last bit
             midpoint = 0.5 * (low + high)
-            low, high = (midpoint, high) if float(self.invariant(midpoint)) < invariant else (low, midpoint)
-        return high
+            below = self.invariant(midpoint) < of_ray
+            low, high = np.where(below, midpoint, low), np.where(below, high, midpoint)
+        return np.where(of_ray <= self.sea_invariant, 0.0, high)
 
     def ray(self, height: float, zenith: float, end: float | None = None) -> BentRay:
         """Follow a ray from a height [m] at a zenith angle [rad] to the sea, to the top of the air, or to the height ``end`` [m].
@@ -163,11 +164,15 @@ class RefractingAir:
         A ray that starts downwards ends where it first reaches ``end`` below its start; to an ``end`` above its start it continues through
         its lowest point.
         """
-        return self._followed(height, zenith, end, None)
+        return self.rays(height, [zenith], end)[0]
+
+    def rays(self, height: float, zenith: Sequence[float], end: float | None = None) -> list[BentRay]:
+        """Follow several rays from one height, as :meth:`ray`: their lowest points are found together."""
+        return [self._followed(height, *start, end, None) for start in self._starts(height, zenith)]
 
     def layered_ray(self, height: float, zenith: float, end: float | None = None, parts: int = 12) -> tuple[BentRay, NDArray[np.intp]]:
         """Follow the same ray [rad] with nodes at the levels [m], each layer in ``parts``; the second result are the levels among them."""
-        ray = self._followed(height, zenith, end, parts)
+        ray = self._followed(height, *self._starts(height, [zenith])[0], end, parts)
         return ray, np.arange(0, ray.height.size, parts)
 
     def line(self, height: float, target: float, length: float, cuts: int = 3) -> tuple[FloatArray, FloatArray]:
@@ -208,13 +213,19 @@ class RefractingAir:
             z = y / (np.sqrt(radius * radius + y) + radius) - (rise - cut_share * rise[-1])
         return z, step
 
-    def _followed(self, height: float, zenith: float, end: float | None, parts: int | None) -> BentRay:
-        invariant = float(self.invariant(height, math.sin(zenith)))
+    def _starts(self, height: float, zenith: Sequence[float]) -> list[tuple[float, float | None]]:
+        """Invariants of rays [m], and the heights of their lowest points [m], None for rays that start upwards."""
+        invariant = self.invariant(height, [math.sin(angle) for angle in zenith])
+        down = np.array([angle > 0.5 * math.pi + 1e-12 for angle in zenith])
+        lowest = np.zeros(invariant.shape)
+        lowest[down] = self.lowest(height, invariant[down])
+        return [(float(c), float(z) if falls else None) for c, z, falls in zip(invariant, lowest, down, strict=True)]
+
+    def _followed(self, height: float, invariant: float, lowest: float | None, end: float | None, parts: int | None) -> BentRay:
         top = float(self.height[-1])
         down, bottom, descent = np.array([height]), height, 0.0
         continues = True
-        if zenith > 0.5 * math.pi + 1e-12:
-            lowest = self.lowest(height, invariant)
+        if lowest is not None:
             continues = invariant > self.sea_invariant and (end is None or end >= height)
             bottom = max(lowest, end) if end is not None and end < height else lowest
             if height - bottom > CLOSEST:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 import numpy as np
@@ -62,6 +63,13 @@ PATH_NODES: Final = 40
 SUN_NODES: Final = 40
 SKY_NODES: Final = 44
 DIP_NODES: Final = 20  #: Numbers of rays between which spectra are splined.
+
+#: Elevations up to which the sky is computed, the least that holds all elevations of a request [rad]: pictures of the sea need the sky next
+#: to the horizon alone, whose rays are a third of all.
+SKY_TOPS: Final = tuple(float(angle) for angle in np.radians((0.2, 3.0, 90.0)))
+
+#: Rays above such an elevation; their spline's end changes the sky below it by less than 1e-6 K.
+RAYS_BEYOND: Final = 8
 
 #: Steps of the lowest height of rays that start downwards [m] above heights [m].
 LOWEST_STEPS: Final = ((0.0, 200.0), (20e3, 1e3), (50e3, 5e3))
@@ -202,7 +210,7 @@ class ProfileAtmosphere(ClearAir):
         self._moving = moving
         self._error_reported = False
         self._paths: dict[float, _Paths] = {}
-        self._skies: dict[float, CubicSpline[np.float64]] = {}
+        self._skies: dict[tuple[float, float], CubicSpline[np.float64]] = {}
         self._suns: dict[float, CubicSpline[np.float64]] = {}
         self._scatterers: dict[tuple[int | None, int | None, int | None], ScatteringAir] = {}
 
@@ -398,7 +406,9 @@ class ProfileAtmosphere(ClearAir):
                 f"zenith has values outside 0-{np.degrees(0.5 * np.pi + dip):.4f} deg, where the sky of a sensor at {height:g} m ends; "
                 "directions below the sea horizon see the sea"
             )
-        return radiance_of(self.wavenumber_cm, self._blended(self._sky, height, np.clip(elevation, -dip, 0.5 * np.pi)))
+        inside = np.clip(elevation, -dip, 0.5 * np.pi)
+        top = next(angle for angle in SKY_TOPS if angle >= np.max(inside, initial=-dip))
+        return radiance_of(self.wavenumber_cm, self._blended(partial(self._sky, top=top), height, inside))
 
     def _blended(self, spline_at: Callable[[float], CubicSpline[np.float64]], height: float, elevation: FloatArray) -> FloatArray:
         """Values of splines over elevation [rad] at a height [m]; below the horizontal by the share of the dip."""
@@ -408,14 +418,16 @@ class ProfileAtmosphere(ClearAir):
             out += weight * spline_at(node)(_sky_coordinate(np.where(elevation < 0.0, elevation * scale, elevation)))
         return out
 
-    def _sky(self, height: float) -> CubicSpline[np.float64]:
-        """Spline of the sky's brightness temperature over :func:`_sky_coordinate` of the camera's elevations."""
-        cached = self._skies.get(height)
+    def _sky(self, height: float, top: float) -> CubicSpline[np.float64]:
+        """Spline of the sky's brightness temperature over :func:`_sky_coordinate` of the camera's elevations, up to ``top`` [rad]."""
+        cached = self._skies.get((height, top))
         if cached is not None:
             return cached
         dip = horizon_depression(height) if height > 0.0 else 0.0
         dip_ratio = self.sums.air.dip(height) / dip if dip > 0.0 else 1.0
         above = np.linspace(0.0, float(_sky_coordinate(0.5 * np.pi)), SKY_NODES)
+        if self.levels == "continuous":
+            above = above[: np.searchsorted(above, _sky_coordinate(top)) + RAYS_BEYOND]
         below = np.linspace(float(_sky_coordinate(-dip)), 0.0, DIP_NODES, endpoint=False) if dip > 0.0 else above[:0]
         ends = (*(start for start, _ in LOWEST_STEPS[1:]), np.inf)
         steps = [
@@ -439,10 +451,10 @@ class ProfileAtmosphere(ClearAir):
             return brightness_temperature(self.wavenumber_cm, light)
 
         if self.levels == "lowtran":
-            return self._skies.setdefault(height, CubicSpline(x, kelvin(x), axis=0))
+            return self._skies.setdefault((height, top), CubicSpline(x, kelvin(x), axis=0))
         nodes = refined_nodes(x, kelvin, self._sky_errors)
         self._report_error(height, nodes.residual)
-        return self._skies.setdefault(height, CubicSpline(nodes.place, nodes.value, axis=0))
+        return self._skies.setdefault((height, top), CubicSpline(nodes.place, nodes.value, axis=0))
 
 
 def _sky_coordinate(elevation: ArrayLike) -> FloatArray:

@@ -218,6 +218,21 @@ def _fill_path(range_m: np.ndarray, elevation: np.ndarray, azimuth: np.ndarray, 
         out[i, 0] = share_at(path_row(range_m[i], table), elevation[i], azimuth[i], table.solar_zenith, table, 0)
 
 
+@njit
+def amplitudes_at(elevation: np.ndarray, table: ScatteredTable, out: np.ndarray) -> None:
+    """Amplitudes ``out[t, j, a, k, r]`` of a table at elevations [rad, (j,)], interpolated between its rows."""
+    suns, rows, columns, shapes, spectra = table.amplitude.shape
+    for j in range(elevation.size):
+        row = sky_row(elevation[j], table)
+        e = min(int(row), rows - 2)
+        f = row - e
+        for t in range(suns):
+            for a in range(columns):
+                for k in range(shapes):
+                    for r in range(spectra):
+                        out[t, j, a, k, r] = (1.0 - f) * table.amplitude[t, e, a, k, r] + f * table.amplitude[t, e + 1, a, k, r]
+
+
 def scattered_shares(
     elevation: ArrayLike, azimuth_from_sun: ArrayLike, table: ScatteredTable, solar_zenith: ArrayLike | None = None
 ) -> FloatArray:

@@ -12,10 +12,9 @@ import math
 import pickle
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, cast
+from typing import Final, NamedTuple, cast
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -63,10 +62,9 @@ LEAST_COSINE: Final = 1e-5  #: Cosine of the zenith angle at the sea of the last
 
 _LEAST: Final = 1e-30
 
-_SUNS: Final = 7
+_SUNS: Final = 7  #: Number of zenith angles of the Sun that are computed for the places in view; three if they differ little.
 
-#: Number of zenith angles of the Sun that are computed for the places in view (three if they differ little), and tabulated.
-_SUN_ROWS: Final = 13
+SUN_ROWS: Final = 13  #: Number of tabulated zenith angles of the Sun.
 
 _SMALL_TURN: Final = np.radians(1.0)
 
@@ -81,7 +79,23 @@ _MOST_CACHED: Final = 2
 _CACHED: Final[OrderedDict[bytes, ScatteredLight]] = OrderedDict()
 _LOCK: Final = threading.Lock()
 
-Resample = Callable[[FloatArray], FloatArray]  #: Function that resamples node values along the second axis to rows.
+
+class _Computed(NamedTuple):
+    """Sums over computed lines of sight, before they are resampled to a table."""
+
+    angular: FloatArray  #: Shapes over scattering angle, as in the table.
+    spectral: FloatArray  #: Spectral shapes, as in the table.
+    values: FloatArray  #: Sums at the nodes [(suns, nodes, azimuths, k, r)].
+    azimuths: FloatArray  #: Azimuths from the Sun [rad].
+
+
+class _SeaLines(NamedTuple):
+    """Lines computed from the sea, whose Suns lie between the apparent zenith angles ``first`` and ``last`` [rad], equal for one Sun."""
+
+    lines: _Computed
+    rows: FloatArray  #: Matrix from nodes to rows.
+    first: float
+    last: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +153,8 @@ class SampledLight:
         table = self._table(sky.zenith, radiance @ spectral.T, sky.zenith, 0.5 * np.pi - self._elevations)
         return table._replace(spectral=np.ascontiguousarray(spectral))
 
-    def sea_sky_within(self, turn: float) -> ScatteredTable:
-        """Table :attr:`sea_sky`, the same for all places."""
+    def sea_sky_within(self, turn: float, suns: int = SUN_ROWS) -> ScatteredTable:
+        """Table :attr:`sea_sky`, the same for all places and one Sun."""
         return self.sea_sky
 
     def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
@@ -261,8 +275,7 @@ class ScatteredLight:
         if self.air is None:
             return DARK
         zenith, arcs, coordinate = _path_lines(self.air, self.height)
-        even = np.linspace(0.0, 1.0, ROWS)
-        table = self._in_band(zenith, lambda nodes: CubicSpline(coordinate, nodes, axis=1)(even))
+        table = self._in_band(zenith, _splined(coordinate, np.linspace(0.0, 1.0, ROWS)))
         return table._replace(longest=float(slant_range(self.height, arcs[-1])))
 
     @cached_property
@@ -271,8 +284,6 @@ class ScatteredLight:
         if self.air is None:
             return DARK
         table = self._in_band(*_sky_lines(self.air, self.height))
-        if self.height <= LOW:
-            table.amplitude[:, :DIP_ROWS] = table.amplitude[:, DIP_ROWS : DIP_ROWS + 1]
         return table._replace(dip=horizon_depression(self.height), dip_rows=DIP_ROWS)
 
     @cached_property
@@ -280,19 +291,39 @@ class ScatteredLight:
         """Table of the scattered sky above the sea, as spectra."""
         return self.sea_sky_within(self.farthest_turn)
 
-    def sea_sky_within(self, turn: float) -> ScatteredTable:
-        """Table :attr:`sea_sky` for places whose vertical is turned by at most ``turn`` [rad]; a tenth of a degree counts as one Sun."""
+    def sea_sky_within(self, turn: float, suns: int = SUN_ROWS) -> ScatteredTable:
+        """Table :attr:`sea_sky` for places whose vertical is turned by at most ``turn`` [rad]; a tenth of a degree counts as one Sun.
+
+        Parameters
+        ----------
+        turn : float
+            Largest turn of the vertical [rad].
+        suns : int
+            Number of tabulated zenith angles of the Sun, 2: the ends of their range, 1: the Sun at the sensor's foot alone.
+        """
         if self.air is None:
             return DARK._replace(spectral=np.zeros((1, self.weights.size)))
-        zenith, rows = _sky_lines(self.air, 0.0)
+        lines, rows, first, last = self._sea_lines if turn == self.farthest_turn else self._lines_within(turn)
+        if first == last:
+            return _table(lines, rows)._replace(solar_zenith=self.solar_zenith, sets=True)
+        at = np.linspace(0.0, 1.0, suns) if suns > 1 else np.clip([(self.solar_zenith - first) / (last - first)], 0.0, 1.0)
+        nodes = 1.0 - (1.0 - np.linspace(0.0, 1.0, len(lines.values))) ** 2
+        table = _table(lines, rows, _splined(nodes, at))
+        return table._replace(suns=(first, (suns - 1) / (last - first)), solar_zenith=self.solar_zenith, sets=True)
+
+    @cached_property
+    def _sea_lines(self) -> _SeaLines:
+        return self._lines_within(self.farthest_turn)
+
+    def _lines_within(self, turn: float) -> _SeaLines:
+        """Compute the lines for :meth:`sea_sky_within`."""
+        air = cast(ScatteringAir, self.air)
+        zenith, rows = _sky_lines(air, 0.0)
         first, last = _sun_range(self.solar_zenith, turn)
         if last - first <= _ONE_SUN:
-            azimuths = _azimuth_nodes(self.solar_zenith)
-            table = _table(self.air, None, 0.0, zenith, azimuths, [self._sun], rows)
-            return table._replace(solar_zenith=self.solar_zenith, sets=True)
-        suns = [self.air.unrefracted_zenith(z) for z in _sun_nodes(first, last)]
-        table = _table(self.air, None, 0.0, zenith, _azimuth_nodes(last), suns, rows)
-        return table._replace(suns=(first, (_SUN_ROWS - 1) / (last - first)), solar_zenith=self.solar_zenith, sets=True)
+            return _SeaLines(_computed(air, None, 0.0, zenith, _azimuth_nodes(self.solar_zenith), [self._sun]), rows, 0.0, 0.0)
+        suns = [air.unrefracted_zenith(z) for z in _sun_nodes(first, last)]
+        return _SeaLines(_computed(air, None, 0.0, zenith, _azimuth_nodes(last), suns), rows, first, last)
 
     def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
         """Scattered paths to the sea in band [W m-2 sr-1], line by line: arcs [m] (rows), azimuths from the Sun [rad] (columns)."""
@@ -342,11 +373,12 @@ class ScatteredLight:
         """Share of the solar disc above the horizon [1]."""
         return float(visible_part_kernel(0.5 * math.pi - self.solar_zenith)[0])
 
-    def _in_band(self, zenith: FloatArray, rows: Resample) -> ScatteredTable:
+    def _in_band(self, zenith: FloatArray, rows: FloatArray) -> ScatteredTable:
         """Table in band for lines of sight from the sensor."""
         air = cast(ScatteringAir, self.air)
-        table = _table(air, self.weights[None], self.height, zenith, _azimuth_nodes(self.solar_zenith), [self._sun], rows, self._share)
-        return table._replace(solar_zenith=self._aloft, height=self.height)
+        lines = _computed(air, self.weights[None], self.height, zenith, _azimuth_nodes(self.solar_zenith), [self._sun])
+        table = _table(lines, rows)
+        return table._replace(amplitude=self._share * table.amplitude, solar_zenith=self._aloft, height=self.height)
 
 
 def _sun_range(solar_zenith: float, turn: float) -> tuple[float, float]:
@@ -384,13 +416,15 @@ def _path_zenith(air: ScatteringAir, height: float, slant: FloatArray) -> FloatA
     return np.asarray(math.pi - np.arcsin(ratio * at_sea))
 
 
-def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]:
-    """Zenith angles [rad] from the horizon up, and the function that resamples their values to rows."""
+def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, FloatArray]:
+    """Zenith angles [rad] from the horizon up, and the matrix (rows, nodes) that resamples their values to rows."""
     y = np.linspace(0.0, 1.0, ELEVATION_NODES)
     above = np.maximum(0.5 * math.pi - elevation_of_coordinate(y, 0.0), 0.0)
-    even = np.linspace(0.0, 1.0, ROWS)
+    even = _splined(y, np.linspace(0.0, 1.0, ROWS))
     if height <= 0.0:
-        return above, lambda nodes: np.asarray(CubicSpline(y, nodes, axis=1)(even))
+        return above, even
+    if height <= LOW:  # below the horizontal the horizontal's sky
+        return above, np.concatenate([np.repeat(even[:1], DIP_ROWS, axis=0), even])
     edges = _grazed(air, height)
     pieces = len(edges) - 1
     nodes_each = DIP_NODES if pieces == 1 else DIP_PIECE_NODES
@@ -398,16 +432,19 @@ def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]
     below = [low + (high - low) * grazing_share(share)[:-1] for low, high in itertools.pairwise(edges)]
     fine = edges[0] * (1.0 - np.arange(DIP_ROWS) / DIP_ROWS) ** 2
     piece = np.clip(np.searchsorted(edges, fine, side="right") - 1, 0, pieces - 1)
-
-    def rows(nodes: FloatArray) -> FloatArray:
-        low = np.empty((nodes.shape[0], DIP_ROWS, *nodes.shape[2:]))
-        for i in range(pieces):
-            in_piece, first = piece == i, i * (nodes_each - 1)
-            where = grazing_coordinate((fine[in_piece] - edges[i]) / (edges[i + 1] - edges[i]))
-            low[:, in_piece] = CubicSpline(share, nodes[:, first : first + nodes_each], axis=1)(where)
-        return np.concatenate([low, CubicSpline(y, nodes[:, pieces * (nodes_each - 1) :], axis=1)(even)], axis=1)
-
+    horizontal = pieces * (nodes_each - 1)
+    rows = np.zeros((DIP_ROWS + ROWS, horizontal + ELEVATION_NODES))
+    rows[DIP_ROWS:, horizontal:] = even
+    for i in range(pieces):
+        in_piece, first = np.flatnonzero(piece == i), i * (nodes_each - 1)
+        where = grazing_coordinate((fine[in_piece] - edges[i]) / (edges[i + 1] - edges[i]))
+        rows[in_piece, first : first + nodes_each] = _splined(share, where)
     return np.concatenate([0.5 * math.pi - np.concatenate(below), above]), rows
+
+
+def _splined(nodes: FloatArray, places: FloatArray) -> FloatArray:
+    """Matrix (places, nodes) from values at nodes to values of the cubic spline through them at places."""
+    return np.asarray(CubicSpline(nodes, np.eye(nodes.size))(places))
 
 
 def _grazed(air: ScatteringAir, height: float) -> FloatArray:
@@ -420,27 +457,25 @@ def _grazed(air: ScatteringAir, height: float) -> FloatArray:
     return np.array([horizon, *(e for e in touching if e > horizon), 0.0])
 
 
-def _table(
-    air: ScatteringAir,
-    weights: FloatArray | None,
-    height: float,
-    zenith: FloatArray,
-    azimuths: FloatArray,
-    suns: list[float],
-    rows: Resample,
-    share: float = 1.0,
-) -> ScatteredTable:
-    """Table of lines of sight under Suns without refraction [rad]: in band for ``weights`` [(1, n)], else as spectra."""
+def _computed(
+    air: ScatteringAir, weights: FloatArray | None, height: float, zenith: FloatArray, azimuths: FloatArray, suns: list[float]
+) -> _Computed:
+    """Compute lines of sight under Suns without refraction [rad]: in band for ``weights`` [(1, n)], else as spectra."""
     grid = np.stack(np.meshgrid(suns, zenith, azimuths, indexing="ij"), axis=-1).reshape(-1, 3)
     amplitudes = air.amplitudes(height, grid[:, [1, 2, 0]], tabulated=True)[0] * air.source
     spectral = np.ones((1, 1)) if weights is not None else _spectral_shapes(air, amplitudes)
     sums = weights if weights is not None else spectral
     angular, kinds = _angular_shapes(air, amplitudes, sums)
-    by_shape = np.empty((len(amplitudes), kinds.shape[0], sums.shape[0]))
-    for r, weight in enumerate(sums):
-        by_shape[:, :, r] = amplitudes.reshape(len(amplitudes), -1) @ (kinds * weight).reshape(kinds.shape[0], -1).T
-    values = by_shape.reshape(len(suns), zenith.size, azimuths.size, *by_shape.shape[1:])
-    return ScatteredTable(angular, share * _fine(values, azimuths, rows), spectral, 0.0, (0.0, 0.0), False, height, 0.0, 0.0, 0)
+    # share of every shape over angle and spectrum in each kind and channel
+    shares = (kinds[:, None] * sums[:, None]).reshape(kinds.shape[0] * sums.shape[0], -1)
+    by_shape = amplitudes.reshape(len(amplitudes), -1) @ shares.T
+    return _Computed(angular, spectral, by_shape.reshape(len(suns), zenith.size, azimuths.size, kinds.shape[0], sums.shape[0]), azimuths)
+
+
+def _table(lines: _Computed, rows: FloatArray, suns: FloatArray | None = None) -> ScatteredTable:
+    """Table of computed lines, resampled by matrices from nodes to rows, and from the Suns of the nodes to those of the table."""
+    amplitude = _fine(lines.values, lines.azimuths, rows, suns)
+    return ScatteredTable(lines.angular, amplitude, lines.spectral, 0.0, (0.0, 0.0), False, 0.0, 0.0, 0.0, 0)
 
 
 def _spectral_shapes(air: ScatteringAir, amplitudes: FloatArray) -> FloatArray:
@@ -474,12 +509,11 @@ def _angular_shapes(air: ScatteringAir, amplitudes: FloatArray, sums: FloatArray
     kinds = (vectors[:, ::-1][:, :count].T @ scaled) / importance  # of the scaled phase functions
     # Least squares over kinds and channels, as they count, gives the shapes at all angles.
     basis = kinds * importance
-    fine = phase.reshape(ANGLES, -1) * importance
-    shapes = np.linalg.solve(basis @ basis.T, basis @ fine.T).T
+    shapes = np.linalg.solve(basis @ basis.T, (basis * importance) @ phase.reshape(ANGLES, -1).T).T
     return np.ascontiguousarray(shapes), kinds.reshape(count, KINDS, -1)
 
 
-def _fine(values: FloatArray, azimuths: FloatArray, rows: Resample) -> FloatArray:
+def _fine(values: FloatArray, azimuths: FloatArray, rows: FloatArray, suns: FloatArray | None) -> FloatArray:
     """Node values [(suns, nodes, azimuths, k, r)] resampled to the tables' rows and columns: magnitude by its logarithm, rest linearly."""
     size = np.sqrt(np.sum(values**2, axis=(3, 4), keepdims=True)) + _LEAST
     encoded = np.concatenate([np.log(size).reshape(*values.shape[:3], 1), (values / size).reshape(*values.shape[:3], -1)], axis=-1)
@@ -488,9 +522,10 @@ def _fine(values: FloatArray, azimuths: FloatArray, rows: Resample) -> FloatArra
     order = azimuths.size - 1
     # polynomials in the cosine of the azimuth: the azimuth nodes are their Chebyshev extrema
     to_columns = chebyshev.chebvander(1.0 - 2.0 * columns, order) @ np.linalg.inv(chebyshev.chebvander(1.0 - 2.0 * nodes, order))
-    encoded = np.moveaxis(np.tensordot(to_columns, encoded, axes=(1, 2)), 0, 2)
-    encoded = rows(encoded)
-    if encoded.shape[0] > 1:
-        encoded = CubicSpline(1.0 - (1.0 - np.linspace(0.0, 1.0, encoded.shape[0])) ** 2, encoded, axis=0)(np.linspace(0.0, 1.0, _SUN_ROWS))
-    whole = np.exp(encoded[..., :1]) * encoded[..., 1:]
-    return np.ascontiguousarray(whole.reshape(*whole.shape[:3], *values.shape[3:]))
+    # the axis that grows most is resampled last
+    if suns is not None:
+        encoded = np.tensordot(suns, encoded, axes=(1, 0))
+    by_rows = (rows @ encoded.reshape(len(encoded), len(rows.T), -1)).reshape(len(encoded), len(rows), azimuths.size, -1)
+    whole = to_columns @ by_rows
+    amplitude = np.exp(whole[..., :1]) * whole[..., 1:]
+    return np.ascontiguousarray(amplitude.reshape(*amplitude.shape[:3], *values.shape[3:]))

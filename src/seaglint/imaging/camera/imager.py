@@ -281,14 +281,16 @@ def quads(corners: FloatArray, pixels: NDArray[np.int64], cells: SweepGrid, azim
     width = corners.shape[1]
     row, column = np.divmod(pixels, width - 1)
     first = row * width + column
-    at = corners.reshape(-1, 3)[np.stack([first, first + 1, first + width + 1, first + width], axis=1)]
-    azimuth = np.arctan2(at[..., 0], at[..., 1])
+    four = np.stack([first, first + 1, first + width + 1, first + width], axis=1)
+    # each corner belongs to four pixels: its angles are computed once
+    azimuth = np.arctan2(corners[..., 0], corners[..., 1]).ravel()[four]
+    sine, elevation = corners[..., 2].ravel()[four], np.arcsin(np.clip(corners[..., 2], -1.0, 1.0)).ravel()[four]
     u = wrap_angle(azimuth_of_image - cells.middle) + wrap_angle(azimuth[:, :1] - azimuth_of_image) + wrap_angle(azimuth - azimuth[:, :1])
     u = u / cells.step + 0.5 * cells.columns
-    row_of = (cells.top - np.arcsin(np.clip(at[..., 2], -1.0, 1.0))) * cells.per_radian
+    row_of = (cells.top - elevation) * cells.per_radian
     # one cell more on each side: the rounding of a corner on an edge
     bound = (np.ceil(np.ptp(u, axis=1)) + 2) * (np.ceil(np.ptp(row_of, axis=1)) + 2)
-    return Quads(u, np.ascontiguousarray(at[..., 2]), bound.astype(np.int64))
+    return Quads(u, sine, bound.astype(np.int64))
 
 
 def inside(quadrilaterals: Quads, cells: SweepGrid) -> NDArray[np.bool_]:

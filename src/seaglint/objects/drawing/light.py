@@ -95,7 +95,7 @@ class Surroundings:
         sea, sky = leaving.emission + leaving.sky, mirrored_sky(view.atmosphere, zenith, grid)
         azimuth, share = _azimuths()
         light = np.concatenate([np.repeat(sky[:, None], azimuth.size, 1), np.repeat(sea[:, None], azimuth.size, 1)])
-        table = view.scattered.sea_sky
+        table = view.scattered.sea_sky_within(view.farthest_turn, 1)
         if not is_dark(table):
             shares = scattered_shares(np.arcsin(sine)[:, None], azimuth, table)
             light[:_ELEVATIONS] += view.sun_distance_factor * np.maximum(shares @ table.spectral, 0.0)
