@@ -29,7 +29,7 @@ from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, p
 from seaglint.imaging.scene import Accuracy, Instant, Levels, joined, require_columns
 from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles, sparkle_rows
 from seaglint.imaging.sun_in_sky import NO_SUN, sun_in_sky
-from seaglint.imaging.sweep.sweep import Rows, Swept
+from seaglint.imaging.sweep.sweep import SHARED, Rows, Swept
 from seaglint.imaging.sweep.walk import PATH_EVERY, Merging, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
 from seaglint.imaging.wave_surface import Surface
 from seaglint.sea.shadowing.smith import smith_lambda
@@ -328,7 +328,8 @@ class SweptScene:
         middle = np.concatenate([arcs[:1], 0.5 * (arcs[1:] + arcs[:-1])])
         places = np.append(middle[::every], middle[-1:])
         basis = path_basis(view.atmosphere, view.band, camera.height, places)
-        half = 0.5 * camera.width
+        # columns share tables at azimuths up to half of their range beyond the outermost column
+        half = min(0.5 * (camera.width + SHARED), max(np.pi, 0.5 * camera.width))
         sun, facets, path = facet_tables(
             view,
             basis,

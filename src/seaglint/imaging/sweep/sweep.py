@@ -34,6 +34,8 @@ from seaglint.imaging.wave_surface import Surface, SurfaceLine, course, height, 
 NEGLIGIBLE_SUN = 3e-4  #: Share of a facet's thermal radiance below which its sunlight is not tested for shadows.
 
 
+SHARED = math.radians(0.25)  #: Range of azimuths in which columns share tables of the facets, the Sun's disc and the path [rad].
+
 WIDE_COLUMN = math.radians(0.5)  #: Least width of a column [rad] with separate tables for each line: the aureole is ten degrees wide.
 
 
@@ -262,12 +264,27 @@ def skies_alone(rows: Rows, azimuths: np.ndarray, width: float, images: np.ndarr
 
 
 @njit
-def _repeated(values: np.ndarray, times: int) -> np.ndarray:
-    """Repeat each value a number of times; Numba takes a second to compile NumPy's ``repeat``."""
-    out = np.empty(times * values.shape[0])
-    for i in range(out.shape[0]):
-        out[i] = values[i // times]
+def _split(tangents: np.ndarray, times: int) -> np.ndarray:
+    """Repeat each value (columns, lines) a number of times; Numba takes a second to compile NumPy's ``repeat``."""
+    out = np.empty((tangents.shape[0], times * tangents.shape[1]))
+    for column in range(out.shape[0]):
+        for i in range(out.shape[1]):
+            out[column, i] = tangents[column, i // times]
     return out
+
+
+@njit
+def sharing(azimuths: np.ndarray, width: float, first: int, end: int) -> tuple[int, float]:
+    """Return the end of the columns from ``first`` on that share tables, and the azimuth of these tables [rad].
+
+    They are the columns between two multiples of :data:`SHARED`, so that they do not depend on the view; wide columns share none.
+    """
+    if width >= SHARED:
+        return first + 1, azimuths[first]
+    number, after = math.floor(azimuths[first] / SHARED), first + 1
+    while after < end and math.floor(azimuths[after] / SHARED) == number:
+        after += 1
+    return after, (number + 0.5) * SHARED
 
 
 @njit
@@ -282,12 +299,13 @@ def sweep_columns(
     walk, rows = swept.walk, swept.rows
     farthest = walk.range_m[walk.range_m.shape[0] - 1] / EARTH_RADIUS
     pieces, strip, disc_rows = new_pieces(images.shape[2]), new_strip(), np.empty(DISC_ROWS)
-    for column in range(part[0], part[1]):
-        image = images[column]
-        image[:] = 0.0
-        tangents = np.full(1, rows.bottom_tangent)
+    begin = part[0]
+    while begin < part[1]:
+        after, shared = sharing(azimuths, width, begin, part[1])
+        images[begin:after] = 0.0
+        tangents = np.full((after - begin, 1), rows.bottom_tangent)
         for stage in range(walk.stage.shape[0] - 1):
-            tangents = _repeated(tangents, 1 << walk.stage[stage, 2])
+            tangents = _split(tangents, 1 << walk.stage[stage, 2])
             first, end, level = walk.stage[stage, 0], walk.stage[stage + 1, 0], walk.stage[stage, 1]
             optics = level_optics(swept.sunlight, swept.levels, level)
             axes, tables = optics.tables.axes, optics.tables
@@ -295,13 +313,13 @@ def sweep_columns(
             sunward = course(surface, level, swept.sunlight.horizontal_east, swept.sunlight.horizontal_north, (0.0, 0.0))
             arcs = (walk.range_m[first], walk.range_m[end - 1])
             limits = (swept.merging.spread, swept.merging.cells, swept.merging.highest[level], rows.top)
-            # lines of a narrow column share the tables at its middle: their azimuths differ by less than its width
-            middle = line_of_sight(optics.sunlight, optics.roughness, azimuths[column])
+            middle = line_of_sight(optics.sunlight, optics.roughness, shared)
             thermal, emitted = thermal_along(tables.thermal, axes, middle), thermal_along(tables.emitted, axes, middle)
             disc = disc_line(optics.sunlight, optics.roughness, middle, sines, disc_rows, farthest)
             path = path_along(walk.path.radiance, walk.path.sunlit, middle.chi, (first // walk.every, (end - 1) // walk.every + 2))
-            lines = tangents.shape[0]
-            for j in range(lines):
+            lines = tangents.shape[1]
+            for number in range((after - begin) * lines):
+                column, j = begin + number // lines, number % lines
                 sight = line_of_sight(optics.sunlight, optics.roughness, azimuths[column] + width * ((j + 0.5) / lines - 0.5))
                 if lines > 1 and width > WIDE_COLUMN:
                     thermal, emitted = thermal_along(tables.thermal, axes, sight), thermal_along(tables.emitted, axes, sight)
@@ -319,15 +337,19 @@ def sweep_columns(
                     1.0 / lines,
                     width,
                 )
-                i = first
+                i, tangent = first, tangents[column - begin, j]
                 while i < end:
-                    horizon = (tangents[j], rows.top_tangent)
-                    count, i, tangent = walk_line(walk, surface, level, line.course, (i, end), horizon, strip, pieces.sample, pieces.extent)
+                    horizon = (tangent, rows.top_tangent)
+                    count, i, highest = walk_line(walk, surface, level, line.course, (i, end), horizon, strip, pieces.sample, pieces.extent)
                     # separate from the walk, so that readings of one piece can overlap with readings of the next
                     read_slopes(surface, line.course, walk.range_m, pieces, count, strip)
-                    count = merge(pieces, count, tangents[j], optics.roughness, limits)
-                    shade_line(swept, surface, optics, line, pieces, count, tangents[j], cuts[column], image)
-                    tangents[j] = tangent
-        add_skies(rows, azimuths[column], width, tangents, image[0])
-        if image.shape[0] > 1:
-            add_skies(rows, azimuths[column], width, tangents, image[image.shape[0] - 1])
+                    count = merge(pieces, count, tangent, optics.roughness, limits)
+                    shade_line(swept, surface, optics, line, pieces, count, tangent, cuts[column], images[column])
+                    tangent = highest
+                tangents[column - begin, j] = tangent
+        for column in range(begin, after):
+            last = images.shape[1] - 1
+            add_skies(rows, azimuths[column], width, tangents[column - begin], images[column, 0])
+            if last > 0:
+                add_skies(rows, azimuths[column], width, tangents[column - begin], images[column, last])
+        begin = after
