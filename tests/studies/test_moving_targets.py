@@ -11,6 +11,7 @@ from tests.helpers.own_exposure import COLUMNS, HEIGHT, ROWS, STEP, added, at, o
 import seaglint as sg
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.schema import SIZES
+from seaglint.instrument.chain import Drawn
 from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 FAR = 2000.0
@@ -232,8 +233,8 @@ def test_large_objects_at_rest_are_those_of_the_fine_picture(size) -> None:
     scenario = scene([item], sensor(4.0, pixels=[160, 48]), render={"oversampling": 6})
     run = prepare_sensed(scenario, radiance=True)
     composed = run.sensed.fine.drawn(0)
-    expected = run.sensed.model.focal_plane(composed.layers.radiance, 6, drawn=True)
-    sea = run.sensed.model.focal_plane(composed.sea, 6, drawn=True)
+    expected = run.sensed.model.focal_plane(composed.layers.radiance, 6, drawn=Drawn())
+    sea = run.sensed.model.focal_plane(composed.sea, 6, drawn=Drawn())
     # the composed picture counts all light as of 300 K: that of the box is, that of the sea behind it is lighter by its own spectrum
     lighter = planck(288.15, photons) / planck(288.15) * planck(300.0) / planck(300.0, photons)
     change, full = run.sensed.seen(0).astype(float) - sea, (planck(300.0) - planck(288.15))

@@ -115,7 +115,7 @@ def test_objects_before_a_detector_come_back_too(apart):
     found = []
     for run in (straight, without_air(straight, fine)):
         assert run.objects is not None
-        exposed = ExposedObjects.of(run.objects, run.scene, run.track, model, ScanPattern(), n)
+        exposed = ExposedObjects.of(run.objects, run.scene, run.track, model, ScanPattern(), (n, n))
         found.append(exposed.light(run.scene, 0.0, run.drawn(0.0, compose=False).sea, (0.0, 0.0)))
     one, other = found
     assert np.abs(one.added - other.added).max() < 0.03 * np.abs(one.added).max()

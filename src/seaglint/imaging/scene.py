@@ -181,7 +181,7 @@ def averages(camera: Camera, accuracy: Accuracy) -> bool:
     return narrow and accuracy.shortest_wave_columns > 0.0 and accuracy.variance_error >= AVERAGED_ERROR
 
 
-class _Pixels(NamedTuple):
+class _PlannedPixels(NamedTuple):
     """Pixels on the mean sea at the arcs of a plan, and the shares of their variance (levels, arcs).
 
     A pixel averages waves that are shorter than its width or length, so that a band of slope variance ``m`` and length ``L`` adds
@@ -198,7 +198,7 @@ class _Pixels(NamedTuple):
     allowed: NDArray[np.bool_]  #: Whether the waves that a level omits span fewer columns than those that stay geometry anyway.
 
     @classmethod
-    def of(cls, detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> _Pixels:
+    def of(cls, detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> _PlannedPixels:
         """Return the pixels of a camera up to the arc ``last`` [m]."""
         mss = np.array([sum(level.mss) for level in detail.levels])
         bands = np.append(mss[:-1] - mss[1:], mss[-1])[:, None]
@@ -234,7 +234,7 @@ def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accura
 
     Lines farther apart than ``L`` overestimate a band by the ratio of their distance to ``L``.
     """
-    pixels = _Pixels.of(detail, shortest, camera, accuracy, last)
+    pixels = _PlannedPixels.of(detail, shortest, camera, accuracy, last)
     arcs, lost, most = pixels.arcs, pixels.lost, accuracy.variance_error
     best, chosen = np.full(arcs.size, np.inf), np.zeros((2, arcs.size), np.int64)
     for doublings in range(accuracy.lines_per_column.bit_length()):
@@ -259,7 +259,7 @@ def _averaged_plan(detail: Detail, shortest: FloatArray, camera: Camera, accurac
     Lines split only where an average over their distance would remove much of a level's slopes: groups of waves change the mean of a pixel
     as well, and are lost with them. At the horizon, where crests from many kilometres fill a part of one row, they do not split.
     """
-    pixels = _Pixels.of(detail, shortest, camera, accuracy, last)
+    pixels = _PlannedPixels.of(detail, shortest, camera, accuracy, last)
     arcs, most = pixels.arcs, accuracy.variance_error
     to_horizon = depression_of_range(camera.height, arcs) - horizon_depression(camera.height)
     visible = (arcs < horizon_range(camera.height)) & (to_horizon > LAST_SHARE * camera.row_step)
@@ -279,7 +279,7 @@ def _averaged_plan(detail: Detail, shortest: FloatArray, camera: Camera, accurac
     return begins, level[change], np.exp2(number[change] / WIDTHS_PER_OCTAVE), _splits(arcs, doublings)
 
 
-def _removed(pixels: _Pixels, level: NDArray[np.int64], width: FloatArray) -> FloatArray:
+def _removed(pixels: _PlannedPixels, level: NDArray[np.int64], width: FloatArray) -> FloatArray:
     """Return the share of the slope variance of levels that averages over a width [m] remove, from waves of all directions."""
     sines = np.sin((np.arange(32) + 0.5) * (0.5 * np.pi / 32))[:, None]
     gone = np.array(

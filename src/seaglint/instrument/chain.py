@@ -52,7 +52,7 @@ class Exposure:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """What a sensor must know about a picture of this program besides its radiance."""
+    """Properties of a picture of this program that a sensor needs besides its radiance."""
 
     #: Sunlight in the radiance that is independent from pixel to pixel (:data:`seaglint.imaging.layers.SPARKLE`) [W m-2 sr-1, (rows,
     #: columns)]; None of a picture whose layers are not known.
