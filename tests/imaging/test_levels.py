@@ -182,11 +182,3 @@ def test_bounds_hold_the_finest_sea(waves):
     assert bounds[1] >= max(np.hypot(part[..., 1], part[..., 2]).max() for part in waves.surfaces(2.0))
     assert bounds[2] == min(tile.spacing for tile in waves.tiles)
     assert Levels.calm().bounds(()) == (0.0, 0.0, 1.0)
-
-
-@pytest.mark.parametrize(("oversampling", "lines"), [(1, 16), (2, 8), (3, 8), (4, 4), (64, 1)])
-def test_cells_of_a_turned_camera_share_its_lines(oversampling, lines):
-    """As many lines in a pixel as before at least, of cells that waves are as many pixels long in."""
-    made = Accuracy(oversampling=oversampling).of_cells()
-    assert made.lines_per_column == lines
-    assert made.shortest_wave_columns == 2.0 * oversampling

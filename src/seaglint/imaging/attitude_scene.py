@@ -346,10 +346,10 @@ class TurnedScene:
                 view,
                 replace(grid, height=at),
                 self.waves,
-                accuracy=self.accuracy.of_cells(),
+                accuracy=self.accuracy,
                 layers=self.layers,
                 sparkles=self.sparkles,
-                finer=self._finer,
+                finer=self._finer * self.accuracy.oversampling,
             )
         self._heights[at] = _Height(view, swept, cache(partial(self._rays, view)), cache(partial(sun_in_sky, view)))
         while len(self._heights) > CACHED_HEIGHTS:

@@ -57,14 +57,6 @@ class Accuracy:
         if self.oversampling < 1:
             raise DomainError(f"oversampling = {self.oversampling} is outside 1 and more; give a whole number from 1 on")
 
-    def of_cells(self) -> Accuracy:
-        """Return the settings for the sweep's cells of a turned camera, with as many lines in a pixel of the camera for any cells."""
-        return replace(
-            self,
-            lines_per_column=max(self.lines_per_column >> (self.oversampling.bit_length() - 1), 1),
-            shortest_wave_columns=self.shortest_wave_columns * self.oversampling,
-        )
-
 
 _ARCS = 2000  #: Number of ranges at which the beginning of levels is searched: to half a per cent.
 
@@ -159,16 +151,15 @@ class Levels:
 #: are up to 4 % larger than in the middle, at 40 degrees up to 7 %.
 AVERAGED_ASIDE = math.radians(15.0)
 
-#: Least ``variance_error`` with which lines read averaged seas: deviations of pixels are within 4 % of those of many lines.
+#: Least ``variance_error`` with which lines read averaged seas: deviations of pixels are within 5 % of those of many lines.
 AVERAGED_ERROR = 0.02
 
-#: Width over which the sea is averaged, over the distance of lines. A line shows waves as narrow as that distance by themselves, and what
-#: they add to each other: their groups, which an average over the whole distance removes. Deviations of pixels agree with those of finer
-#: pictures averaged down, as measured from 10 m to 3 km.
-AVERAGED_WIDTH = 0.72
+#: Width over which the sea is averaged, over the distance of lines: less than 1, as an average over the whole distance also removes groups of
+#: waves, which change the mean of a pixel. Deviations of pixels agree with those of finer pictures averaged down, as measured from 10 to 900 m.
+AVERAGED_WIDTH = 0.85
 
 #: Largest share of a level's slope variance that an average removes; lines are closer where it removed more.
-AVERAGED_SHARE = 0.2
+AVERAGED_SHARE = 0.1
 
 LAST_SHARE = 0.25  #: Share of a row that a sea must fill up to the horizon for its lines to split.
 

@@ -320,7 +320,7 @@ def _turns(tile: Tile) -> tuple[FloatArray, FloatArray]:
     return q * (2.0 * np.pi / tile.n), p * (2.0 * np.pi / tile.n)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def _gains(tile: Tile, reading: Reading) -> ComplexArray:
     """Factors of the coefficients of a tile's waves (rows, columns, 1 or 2); complex like the coefficients."""
     q, p = _turns(tile)

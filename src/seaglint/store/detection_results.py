@@ -237,7 +237,8 @@ class StudyParts(ResumableFolder):
         DataError
             The folder exists and may be neither resumed nor replaced, or is of another kind.
         """
-        parts = cls(base.with_name(base.name + ".parts"), _MARK)
+        # workers may run in another folder
+        parts = cls(base.with_name(base.name + ".parts").absolute(), _MARK)
         parts.open(
             resume=resume,
             overwrite=overwrite,

@@ -185,7 +185,7 @@ class Render(Record):
     ] = False
     oversampling: Annotated[
         Annotated[int, Quantity(ge=1, le=15, integer=True)] | None,
-        about("with a detector: pixels drawn along each side of its pixels; default: what the optics' cut-off needs"),
+        about("with a detector: pixels drawn along each side of its pixels; default: as fine as its optics and pixels need"),
     ] = None
     object_shadows: Annotated[StrictBool, about("objects cast shadows: no glint on the sea behind them as seen from the Sun")] = False
     layers: Annotated[

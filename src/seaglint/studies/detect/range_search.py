@@ -38,6 +38,7 @@ from seaglint.studies.detect.performance import DetectionOptions, detect
 from seaglint.studies.detect.rendered_seas import lead_of
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, bare, frames_key
 from seaglint.studies.sequence.sequence_work import SceneCache
+from seaglint.version import __version__
 
 if TYPE_CHECKING:
     from seaglint.detection.spot import SpotShape
@@ -320,7 +321,7 @@ def _placed(whole: Scenario, request: RangeRequest, scenes: RangeScenes, in_view
 
 def _key(kind: str, whole: Scenario, *settings: object) -> str:
     """Return the name of a stored part: its kind, and a digest of the scenario and of the settings on which it depends."""
-    content = (whole.model_dump_json(), *settings)
+    content = (__version__, whole.model_dump_json(), *settings)
     return f"{kind}-{hashlib.sha256(pickle.dumps(content, protocol=5)).hexdigest()[:16]}"
 
 

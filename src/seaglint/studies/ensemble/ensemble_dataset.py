@@ -351,7 +351,7 @@ def ensemble_dataset(
         DatasetPlan(source.title, seed, table, ensemble_text(ensemble)),
         options,
         scenes,
-        rendering=Rendering(folder.path, threads) if source.folder is None else None,
+        rendering=Rendering(folder.path.absolute(), threads) if source.folder is None else None,
         workers=workers,
         resume=resume,
         overwrite=overwrite,
