@@ -154,9 +154,8 @@ AVERAGED_ASIDE = math.radians(15.0)
 #: Least ``variance_error`` with which lines read averaged seas: deviations of pixels are within 5 % of those of many lines.
 AVERAGED_ERROR = 0.02
 
-#: Width over which the sea is averaged, over the distance of lines. It is below 1, as an average over the whole distance also removes groups
-#: of waves, which change the mean of a pixel. Deviations of pixels agree with those of finer pictures averaged down, measured from 10 to
-#: 900 m.
+#: Width over which the sea is averaged, over the distance of lines. Below 1, as an average over the whole distance also removes groups of
+#: waves, which change the mean of a pixel. Deviations of pixels agree with those of finer pictures averaged down, from 10 to 900 m.
 AVERAGED_WIDTH = 0.85
 
 #: Largest share of a level's slope variance that an average removes; lines are closer where it removed more.
