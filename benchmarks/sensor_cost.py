@@ -21,23 +21,13 @@ SENSOR = {
 }
 
 
-def best(work: Callable[[int], object], repeats: int = 3) -> float:
-    """Shortest time of some calls with growing numbers [s]."""
+def best(work: Callable[[int], object], clock: Callable[[], float] = time.perf_counter) -> float:
+    """Shortest time of some calls with growing numbers, by a clock [s]."""
     times = []
-    for number in range(repeats + 1):
-        start = time.perf_counter()
+    for number in range(5):
+        start = clock()
         work(number)
-        times.append(time.perf_counter() - start)
-    return min(times[1:])  # the first one compiles
-
-
-def processor(work: Callable[[int], object], repeats: int = 4) -> float:
-    """Shortest processor time of some calls with growing numbers [s]."""
-    times = []
-    for number in range(repeats + 1):
-        start = time.process_time()
-        work(number)
-        times.append(time.process_time() - start)
+        times.append(clock() - start)
     return min(times[1:])  # the first one compiles
 
 
@@ -50,7 +40,7 @@ def beside_the_aperture(preset: str, pixels: tuple[int, int], projection: str, e
     scenario = parse_scenario(tables)
     bare = scenario.sensor.model_copy(update=dict.fromkeys(TABLES))
     run, aperture = prepare_sensed(scenario), prepare_sequence(scenario.model_copy(update={"sensor": bare}))
-    return run.sensed.oversampling, processor(lambda k: aperture.at(k / 25.0)), processor(lambda k: run.images(k))
+    return run.sensed.oversampling, *(best(work, time.process_time) for work in (lambda k: aperture.at(k / 25.0), run.images))
 
 
 def measured() -> tuple[float, float, float, float]:

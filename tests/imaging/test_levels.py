@@ -182,3 +182,19 @@ def test_bounds_hold_the_finest_sea(waves):
     assert bounds[1] >= max(np.hypot(part[..., 1], part[..., 2]).max() for part in waves.surfaces(2.0))
     assert bounds[2] == min(tile.spacing for tile in waves.tiles)
     assert Levels.calm().bounds(()) == (0.0, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("finer", [2, 3, 6])
+def test_lines_of_a_finer_picture_average_their_own_distance(waves, finer):
+    """Waves are those that the large pixel needs; widths follow the columns that are drawn, and these count as lines."""
+    levels, coarser = (Levels.of(waves, coarse(), Accuracy(), LAST, 0.0, n) for n in (finer, 1))
+    averaged = np.array(levels.widths) > 0.0
+    assert averaged.any()
+    for width, begin in np.array([levels.widths, levels.begins]).T[averaged]:
+        distance = begin * coarse().column_step / finer / 2.0 ** np.count_nonzero(levels.parts <= begin * 1.0001)
+        assert 2.0**-0.27 < AVERAGED_WIDTH * distance / width < 2.0**0.27
+    assert levels.begins[averaged][0] > coarser.begins[np.array(coarser.widths) > 0.0][0]
+    assert set(levels.numbers) == set(coarser.numbers)
+    strict, many = (Levels.of(waves, coarse(), LINES, LAST, 0.0, n) for n in (finer, 1))
+    assert strict.begins.tolist() == many.begins.tolist()
+    assert strict.parts.tolist() == many.parts[finer.bit_length() - 1 :].tolist()

@@ -158,3 +158,22 @@ def test_leaning_never_makes_radiance_negative():
     edges = np.linspace(0.0, 7e-3, 8)
     image = _pieces_into_rows(edges, lambda e: np.where(np.abs(e - 3.5e-3) < 1e-4, 5.0, 1e-3))
     assert image[:2].min() > 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_columns_share_the_tables_next_to_them_in_whatever_part(seed):
+    """Every column has the same tables alone, in any part of the columns, and across north; they are half a range away at most."""
+    random = np.random.default_rng(seed)
+    width = float(random.uniform(0.02, 0.99)) * sweep.SHARED
+    azimuths = float(random.choice([-np.pi, -0.004, 0.0, 3.1, 2.0 * np.pi - 0.01])) + width * (np.arange(80) + random.random())
+    alone = np.array([sweep.sharing(azimuths, width, k, k + 1)[1] for k in range(80)])
+    assert np.all(np.abs(alone - azimuths) <= 0.5 * sweep.SHARED * (1.0 + 1e-9))
+    first, end = sorted(random.choice(80, 2, replace=False))
+    begin, found = first, []
+    while begin < end:
+        after, shared = sweep.sharing(azimuths, width, begin, end)
+        assert begin < after <= end
+        found += [shared] * (after - begin)
+        begin = after
+    assert found == alone[first:end].tolist()
+    assert sweep.sharing(azimuths, sweep.SHARED, 3, 80) == (4, azimuths[3])

@@ -216,13 +216,13 @@ class WaveField:
             out.append(_transformed(tile, (heights[..., None] * derivatives).astype(np.complex64), workers))
         return tuple(out)
 
-    def coefficients(self, time: float, workers: int = 1) -> tuple[SurfaceArray, ...]:
+    def coefficients(self, time: float) -> tuple[SurfaceArray, ...]:
         """Lattices from which readers get heights and slopes between the points with the variance of the spectrum.
 
         Parameters
         ----------
-        time, workers
-            As :meth:`surfaces`.
+        time : float
+            As of :meth:`surfaces`.
 
         Returns
         -------
@@ -233,7 +233,7 @@ class WaveField:
         """
         out = []
         for (tile, _, heights), reading in zip(self._evolved(time), self.readings, strict=True):
-            out.append(_transformed(tile, heights[..., None] * _gains(tile, reading), workers))
+            out.append(_transformed(tile, heights[..., None] * _gains(tile, reading), 1))
         return tuple(out)
 
     def splines(self, time: float) -> tuple[SurfaceArray, ...]:

@@ -4,8 +4,8 @@ Every surface piece above the running horizon is visible and covers a known inte
 and linear towards its neighbours, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation. It
 has a separate horizon, and panoramas may have any width.
 
-Across a column, lines split as the column widens: one line near the sensor, two where the column is wider than a quarter of a shortest
-wave, and so on up to a limit. Beyond it the sea is sampled, not averaged, across a column.
+Across a column, lines split as the column widens, up to a limit. Between them the sea is sampled, or each line reads a sea that is averaged
+over its share of the column: :mod:`seaglint.imaging.scene` plans both.
 
 Cuts divide the image of a column by distance from the sensor: every piece is added to the whole image and to the image of its interval.
 """

@@ -81,6 +81,8 @@ def write_scenes(
                 if stopped:
                     raise KeyboardInterrupt
     except KeyboardInterrupt:
+        # workers may have finished scenes that they had no time to report
+        done = sum(part_path(folder, entry.name).is_file() for entry in entries)
         raise Interrupted(f"stopped after {done} of {len(entries)} scenes, kept in {folder}; run the same again with resume=True") from None
     if failed:
         error = StorageError if any("StorageError" in line for line in failed) else DataError
