@@ -151,15 +151,15 @@ class Levels:
 #: are up to 4 % larger than in the middle, at 40 degrees up to 7 %.
 AVERAGED_ASIDE = math.radians(15.0)
 
-#: Least ``variance_error`` with which lines read averaged seas: deviations of pixels are within some 6 % of those of many lines.
+#: Least ``variance_error`` with which lines read averaged seas: deviations of pixels are within 5 % of those of many lines.
 AVERAGED_ERROR = 0.02
 
 #: Width over which the sea is averaged, over the distance of lines. Below 1, as an average over the whole distance also removes groups of
-#: waves, which change the mean of a pixel. Deviations of pixels agree with those of finer pictures averaged down, from 10 to 900 m.
+#: waves, which change the mean of a pixel. Deviations of pixels agree with those of finer pictures averaged down, from 10 m to 3 km.
 AVERAGED_WIDTH = 0.85
 
 #: Largest share of a level's slope variance that an average removes; lines are closer where it removed more.
-AVERAGED_SHARE = 0.15
+AVERAGED_SHARE = 0.12
 
 LAST_SHARE = 0.25  #: Share of a row that a sea must fill up to the horizon for its lines to split.
 
