@@ -8,7 +8,7 @@ import pytest
 from seaglint.base.conventions import horizon_range
 from seaglint.base.errors import DomainError
 from seaglint.imaging.camera.imager import Camera
-from seaglint.imaging.scene import AVERAGED_ASIDE, AVERAGED_SHARE, AVERAGED_WIDTH, Accuracy, Levels, averages
+from seaglint.imaging.scene import AVERAGED_ASIDE, AVERAGED_SHARE, AVERAGED_WIDTH, LEAST_SHARE, Accuracy, Levels, averaged_share, averages
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.sea.wave_field import Detail, WaveField
@@ -165,6 +165,23 @@ def test_averages_are_for_narrow_views_of_ordinary_accuracy(waves):
     ):
         assert not averages(camera, accuracy)
         assert set(Levels.of(waves, camera, accuracy, LAST).widths) == {0.0}
+
+
+def test_under_a_low_sun_averages_remove_less(waves, detail):
+    """The share falls steadily from 15 degrees down; lines are closer, and levels keep that much more of their slopes."""
+    zeniths = np.radians(np.linspace(0.0, 90.2, 400))
+    shares = np.array([averaged_share(z) for z in zeniths])
+    assert np.all(np.diff(shares) <= 0.0)
+    assert np.abs(np.diff(shares)).max() < 0.01
+    assert (shares[0], shares[-1]) == (averaged_share(np.radians(74.9)), averaged_share(np.radians(89.9))) == (AVERAGED_SHARE, LEAST_SHARE)
+    assert averaged_share(np.radians(95.0)) == AVERAGED_SHARE  # at night nothing glints
+    most = []
+    for share in (AVERAGED_SHARE, LEAST_SHARE):
+        levels = Levels.of(waves, coarse(), Accuracy(), LAST, share=share)
+        lost = [removed(waves, detail, n, w) for n, w, b in zip(levels.numbers, levels.widths, levels.begins, strict=True) if w and b < 2e3]
+        most.append((max(lost), levels.parts.size))
+    assert most[1][0] < 0.6 * most[0][0]
+    assert most[1][1] > most[0][1]
 
 
 def test_another_seed_has_the_levels_of_a_sea_made_for_it(waves):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray, depression_of_range, horizon_depression, horizon_range
 from seaglint.base.errors import DomainError
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sunlight import visible_sun
 from seaglint.imaging.camera.imager import Camera, Imager
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.launch import surface_of
@@ -64,6 +66,28 @@ _ARCS = 2000  #: Number of ranges at which the beginning of levels is searched: 
 #: Number of lines per length of a wave: with fewer lines the variance of pixels grows, as measured from 10 m to 3 km.
 _LINES_PER_WAVE = 4.0
 
+#: Largest angle between a line of sight and the middle of a view whose lines share averaged seas [rad]: at 20 degrees deviations of pixels
+#: are up to 4 % larger than in the middle, at 40 degrees up to 7 %.
+AVERAGED_ASIDE = math.radians(15.0)
+
+#: Least ``variance_error`` with which lines read averaged seas: deviations of pixels are within 5 % of those of many lines.
+AVERAGED_ERROR = 0.02
+
+#: Width over which the sea is averaged, over the distance of lines. Below 1, as an average over the whole distance also removes groups of
+#: waves, which change the mean of a pixel. Deviations of pixels agree with those of finer pictures averaged down, from 10 m to 3 km.
+AVERAGED_WIDTH = 0.85
+
+#: Largest share of a level's slope variance that an average removes; lines are closer where it removed more.
+AVERAGED_SHARE = 0.12
+
+#: Elevation below which that share falls with the Sun [rad], and the share's least value. Towards a low Sun only the steepest slopes glint,
+#: and averages remove these first: with the Sun 5 degrees high a share of 0.12 darkens rows by 1.5 %, one of 0.04 by 0.4 %.
+LOW_SUN, LEAST_SHARE = math.radians(15.0), 0.03
+
+LAST_SHARE = 0.25  #: Share of a row that a sea must fill up to the horizon for its lines to split.
+
+WIDTHS_PER_OCTAVE = 2  #: Number of widths over which the sea is averaged, for each doubling of the distance of lines.
+
 
 @dataclass(frozen=True, eq=False)
 class Levels:
@@ -84,10 +108,20 @@ class Levels:
         return cls(Detail.calm(), np.zeros(1), np.zeros(1), np.full(1, np.inf), np.empty(0))
 
     @classmethod
-    def of(cls, waves: WaveField, camera: Camera, accuracy: Accuracy, last: float, first: float = 0.0, finer: int = 1) -> Levels:
+    def of(
+        cls,
+        waves: WaveField,
+        camera: Camera,
+        accuracy: Accuracy,
+        last: float,
+        first: float = 0.0,
+        finer: int = 1,
+        share: float = AVERAGED_SHARE,
+    ) -> Levels:
         """Return the levels that begin before the arc ``last`` [m]; of those that end before ``first``, the finest alone.
 
-        ``finer``: columns that are drawn for each column of the camera; lines split in these.
+        ``finer``: columns that are drawn for each column of the camera; lines split in these. ``share``: largest share of a level's slope
+        variance that an average removes (:func:`averaged_share`).
 
         Raises
         ------
@@ -97,7 +131,7 @@ class Levels:
         # with 0 columns all waves stay geometry: one level
         every = Detail.of(waves, None if accuracy.shortest_wave_columns > 0.0 else 1)
         shortest = np.array([level.shortest_wave for level in every.levels])
-        plan = _averaged_plan if averages(camera, accuracy) else _plan
+        plan = partial(_averaged_plan, share=share) if averages(camera, accuracy) else _plan
         begins, chosen, widths, parts = plan(every, shortest, camera, accuracy, last, finer)
         ends = np.append(begins[1:], np.inf)
         used = (begins < last) & (ends > first)
@@ -147,29 +181,24 @@ class Levels:
         return Bounds(crest, steepest_rise(tuple(lattices[p] for p in parts), spacing), float(spacing.min()))
 
 
-#: Largest angle between a line of sight and the middle of a view whose lines share averaged seas [rad]: at 20 degrees deviations of pixels
-#: are up to 4 % larger than in the middle, at 40 degrees up to 7 %.
-AVERAGED_ASIDE = math.radians(15.0)
-
-#: Least ``variance_error`` with which lines read averaged seas: deviations of pixels are within 5 % of those of many lines.
-AVERAGED_ERROR = 0.02
-
-#: Width over which the sea is averaged, over the distance of lines. Below 1, as an average over the whole distance also removes groups of
-#: waves, which change the mean of a pixel. Deviations of pixels agree with those of finer pictures averaged down, from 10 m to 3 km.
-AVERAGED_WIDTH = 0.85
-
-#: Largest share of a level's slope variance that an average removes; lines are closer where it removed more.
-AVERAGED_SHARE = 0.12
-
-LAST_SHARE = 0.25  #: Share of a row that a sea must fill up to the horizon for its lines to split.
-
-WIDTHS_PER_OCTAVE = 2  #: Number of widths over which the sea is averaged, for each doubling of the distance of lines.
-
-
 def averages(camera: Camera, accuracy: Accuracy) -> bool:
     """Return True where one line of sight over an averaged sea may stand for many lines side by side."""
     narrow = 0.5 * camera.width <= AVERAGED_ASIDE
     return narrow and accuracy.shortest_wave_columns > 0.0 and accuracy.variance_error >= AVERAGED_ERROR
+
+
+def averaged_share(solar_zenith: float) -> float:
+    """Return the largest share of slope variance that an average removes under a Sun at a zenith angle [rad].
+
+    >>> averaged_share(1.0) == averaged_share(1.7) == AVERAGED_SHARE
+    True
+    >>> round(averaged_share(math.radians(80.0)), 6)
+    0.08
+    """
+    share, zenith = visible_sun(solar_zenith)
+    if share == 0.0:
+        return AVERAGED_SHARE
+    return max(AVERAGED_SHARE * min((0.5 * math.pi - zenith) / LOW_SUN, 1.0), LEAST_SHARE)
 
 
 class _PlannedPixels(NamedTuple):
@@ -244,11 +273,14 @@ def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accura
     return begins, np.arange(shortest.size), np.zeros(shortest.size), _splits(arcs, lines)[finer.bit_length() - 1 :]
 
 
-def _averaged_plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float, finer: int) -> _Plan:
+def _averaged_plan(
+    detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float, finer: int, share: float
+) -> _Plan:
     """Return levels of seas averaged across the line of sight, where one line would sample the waves of a column too coarsely.
 
-    Lines split only where an average over their distance would remove much of a level's slopes: groups of waves change the mean of a pixel
-    as well, and are lost with them. At the horizon, where crests from many kilometres fill a part of one row, they do not split.
+    Lines split only where an average over their distance would remove more than ``share`` of a level's slopes: groups of waves change the
+    mean of a pixel as well, and are lost with them. At the horizon, where crests from many kilometres fill a part of one row, they do not
+    split.
     """
     pixels = _PlannedPixels.of(detail, shortest, camera, accuracy, last)
     arcs, most = pixels.arcs, accuracy.variance_error
@@ -260,7 +292,7 @@ def _averaged_plan(detail: Detail, shortest: FloatArray, camera: Camera, accurac
     width, doublings = AVERAGED_WIDTH * pixels.width / finer, np.zeros(arcs.size, np.int64)
     for k in range(accuracy.lines_per_column.bit_length() - 1):
         removed = _removed(pixels, level, width / (1 << k))
-        doublings[coarse & visible & (removed > AVERAGED_SHARE)] = k + 1
+        doublings[coarse & visible & (removed > share)] = k + 1
     doublings = np.maximum.accumulate(doublings)
     wanted = WIDTHS_PER_OCTAVE * np.log2(width / (1 << doublings))
     # the same widths for any view: numbers of a fixed series

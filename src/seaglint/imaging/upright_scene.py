@@ -26,7 +26,7 @@ from seaglint.imaging import launch
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager, pixels_of
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed
-from seaglint.imaging.scene import Accuracy, Instant, Levels, joined, require_columns
+from seaglint.imaging.scene import Accuracy, Instant, Levels, averaged_share, joined, require_columns
 from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles, sparkle_rows
 from seaglint.imaging.sun_in_sky import NO_SUN, sun_in_sky
 from seaglint.imaging.sweep.sweep import SHARED, Rows, Swept
@@ -119,7 +119,7 @@ class SweptScene:
             require_dry(camera.height, waves)
             limits = sea_limits(camera, fine.crest * waves.significant_height)
             first, last = limits if limits is not None else (0.0, 0.0)
-            levels = Levels.of(waves, planned, fine, last, first, finer)
+            levels = Levels.of(waves, planned, fine, last, first, finer, averaged_share(view.solar_zenith))
             if limits is not None:
                 arcs = graded_ranges(*limits, levels.begins, levels.steps, camera.height, planned.row_step)
         empty = cls(view, camera, waves, fine, names, sparkles, camera, levels, None, planned.row_step)
