@@ -81,8 +81,8 @@ AVERAGED_WIDTH = 0.85
 AVERAGED_SHARE = 0.12
 
 #: Elevation below which that share falls with the Sun [rad], and the share's least value. Towards a low Sun only the steepest slopes glint,
-#: and averages remove these first: with the Sun 5 degrees high a share of 0.12 darkens rows by 1.5 %, one of 0.04 by 0.4 %.
-LOW_SUN, LEAST_SHARE = math.radians(15.0), 0.03
+#: and averages remove these first: with the Sun 5 degrees high a share of 0.12 darkens rows by 1.5 %, one of 0.06 by 0.7 %.
+LOW_SUN, LEAST_SHARE = math.radians(15.0), 0.06
 
 LAST_SHARE = 0.25  #: Share of a row that a sea must fill up to the horizon for its lines to split.
 
