@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from render_scenes import furnace, sea_view, swept_scene
 
 from seaglint.base.conventions import horizon_range
 from seaglint.base.errors import DomainError
 from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.scene import AVERAGED_ASIDE, AVERAGED_SHARE, AVERAGED_WIDTH, LEAST_SHARE, Accuracy, Levels, averaged_share, averages
+from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.sea.wave_field import Detail, WaveField
@@ -182,6 +184,16 @@ def test_under_a_low_sun_averages_remove_less(waves, detail):
         most.append((max(lost), levels.parts.size))
     assert most[1][0] < 0.6 * most[0][0]
     assert most[1][1] > most[0][1]
+
+
+def test_lines_of_a_scene_are_closer_under_a_low_sun_only(waves):
+    """Scenes plan their lines for their own Sun: high, 5 degrees high, and well below the horizon."""
+    eye = Camera(30.0, 0.0, np.radians(-4.3), np.radians(16.0), np.radians(8.0), 40, 40)
+    views = (sea_view(furnace(), cox_munk_isotropic(8.0), eye.height, zenith) for zenith in (60.0, 85.0, 110.0))
+    high, low, night = (swept_scene(view, eye, waves).levels for view in views)
+    assert low.parts.size > high.parts.size
+    assert low.parts[0] < 0.9 * high.parts[0]
+    assert night.parts.tolist() == high.parts.tolist()
 
 
 def test_another_seed_has_the_levels_of_a_sea_made_for_it(waves):

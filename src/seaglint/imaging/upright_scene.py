@@ -119,7 +119,7 @@ class SweptScene:
             require_dry(camera.height, waves)
             limits = sea_limits(camera, fine.crest * waves.significant_height)
             first, last = limits if limits is not None else (0.0, 0.0)
-            levels = Levels.of(waves, planned, fine, last, first, finer, averaged_share(view.solar_zenith))
+            levels = Levels.of(waves, planned, fine, last, first, finer, share=averaged_share(view.solar_zenith))
             if limits is not None:
                 arcs = graded_ranges(*limits, levels.begins, levels.steps, camera.height, planned.row_step)
         empty = cls(view, camera, waves, fine, names, sparkles, camera, levels, None, planned.row_step)
