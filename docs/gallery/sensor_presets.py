@@ -33,4 +33,4 @@ for line, name in zip(panels, NAMES, strict=True):
         shown = axes.imshow(kelvin, cmap="gray", vmin=low, vmax=high)
         figure.colorbar(shown, ax=axes, label="K")
         axes.set(title=f"{name}: {where}", xlabel="column", ylabel="row")
-figure.savefig("sensor_presets.png", dpi=90)
+figure.savefig("sensor_presets.png", dpi=80)
