@@ -366,7 +366,7 @@ def test_a_cache_folder_that_cannot_be_written_is_named(tmp_path: Path, monkeypa
 
 
 HURRY = """
-import os, pathlib, signal, time
+import ctypes, os, pathlib, signal, time
 import part_limit, pytest
 
 @pytest.fixture
@@ -401,6 +401,16 @@ def test_translates(hurry):
         time.sleep(60)
     except BaseException as error:
         raise RuntimeError("stopped") from error
+
+def test_drops(hurry):
+    called = []
+    def wait(*_):
+        time.sleep(60)
+        called.append(1)
+        return 0
+    compare = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(wait)
+    ctypes.CDLL(None).qsort(ctypes.create_string_buffer(2), ctypes.c_size_t(2), ctypes.c_size_t(1), compare)
+    assert called
 
 @pytest.fixture
 def slow(hurry): time.sleep(60)
@@ -465,15 +475,15 @@ workers = pytest.mark.parametrize("workers", [0, 2])
 def test_a_part_ends_at_its_time_with_what_it_has_judged(workers: int, run_part) -> None:
     part = run_part(HURRY + EACH, workers, "--dist=loadfile", "--most-seconds=1000", "tests/sea")
     assert part.status == 1, part.printed
-    cut = {"test_long", "test_translates", "test_slow_fixture", "test_is_taken_down", "test_known_and_long"}
+    cut = {"test_long", "test_translates", "test_drops", "test_slow_fixture", "test_is_taken_down", "test_known_and_long"}
     assert part.tests("passed") == {"test_passes", "test_passes_too", "test_over"}
     assert part.tests("failed") == {"test_fails", "test_hangs"}
     assert part.tests("skipped") == {"test_skips"}
     assert part.tests("xfailed") == {"test_known"}
     assert part.tests("begun") - cut == part.tests("passed") | {"test_fails", "test_hangs", "test_skips", "test_known"}
-    assert len(part.tests("collected")) == 312
-    assert "2 failed, 3 passed, 1 skipped, 1 xfailed, 305 left out in" in part.printed
-    assert "sea: 305 (test_waves.py 305)" in part.printed
+    assert len(part.tests("collected")) == 313
+    assert "2 failed, 3 passed, 1 skipped, 1 xfailed, 1 warning, 306 left out in" in part.printed
+    assert "sea: 306 (test_waves.py 306)" in part.printed
     assert {line.split("::")[1] for line in part.printed.splitlines() if line.startswith("cut off: ")} == cut
     assert len(part.printed.splitlines()) < 100
     assert "has run for 600 s and is taken to hang" in part.printed

@@ -91,13 +91,14 @@ class TimeLimit:
     def __init__(self, ends: float, stacks: str, endless: bool = False) -> None:
         self.ends, self.endless = ends, endless
         self.began = 0.0
+        self.interrupts = False
         self.stacks = open(stacks, "a", encoding="utf-8")  # noqa: SIM115
         self.signals = hasattr(signal, "setitimer")
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> bool | None:
         """Report a test as left out where the time is over."""
-        self.began = time.time()
+        self.began, self.interrupts = time.time(), False
         if self.began < self.ends:
             return None
         place = (str(item.path), (item.location[1] or 0) + 1, LEFT_OUT)
@@ -142,26 +143,24 @@ class TimeLimit:
         """Raise what the signal stands for."""
         if not self.endless and time.time() - self.began >= LONGEST:
             pytest.fail(HANGS, pytrace=True)
+        self.interrupts = True
         raise CutOffError(LEFT_OUT)
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_runtest_makereport(self, item: pytest.Item, call: pytest.CallInfo[None]) -> Generator[None, Any, pytest.TestReport]:
-        """Name a test that was interrupted, also where another exception came of that."""
+        """Name a test that was interrupted, also where another exception came of that.
+
+        The exception of the interruption need not be seen: Python drops one that is raised in a callback from compiled code, such as LLVM,
+        and the code that called it then fails in its own way.
+        """
         self.quiet()  # once more: a signal that comes while the timer is being stopped leaves it running
         report: pytest.TestReport = yield
-        if call.excinfo is not None and came_of_the_cut(call.excinfo.value):
+        if call.excinfo is not None and self.interrupts:
             report.outcome = "skipped"
             report.longrepr = (str(item.path), (item.location[1] or 0) + 1, LEFT_OUT)
             report.left_out = "cut off"  # type: ignore[attr-defined]
             vars(report).pop("wasxfail", None)
         return report
-
-
-def came_of_the_cut(error: BaseException | None) -> bool:
-    """Whether an exception is the interruption or was raised while it was handled."""
-    while error is not None and not isinstance(error, CutOffError):
-        error = error.__cause__ or error.__context__
-    return error is not None
 
 
 class Verdicts:
