@@ -1,6 +1,6 @@
 """Infrared ocean clutter: what an infrared sensor sees when it looks at the sea.
 
-``import seaglint as sg`` costs nothing; what a name below needs is imported when it is used first. :mod:`seaglint.api` says what each does.
+``import seaglint as sg`` costs nothing; what a name below needs is imported when it is used first. ``seaglint.api`` says what each does.
 """
 
 # ruff: noqa: F405 - the names of __all__ come from seaglint.api, which is imported when the first of them is used.

@@ -5,7 +5,7 @@ Points of a line are named by their ``share`` of its length: 0 at one end, 1 at 
 differences to the Earth's radius so that low ends keep their digits.
 
 The axes of the tables are normalised path length, height, elevation and encoded optical depth. The table builder and
-:mod:`seaglint.air.lowtran_table` share this file, so that nodes and look-ups always agree.
+``seaglint.air.lowtran_table`` share this file, so that nodes and look-ups always agree.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def straight_slant(height: ArrayLike, sea_cosine: ArrayLike) -> FloatArray:
 
 
 def straight_sea_cosine(height: float, slant: ArrayLike) -> FloatArray:
-    """Inverse of :func:`straight_slant`: cosine of the zenith angle at the sea [1]."""
+    """Inverse of ``straight_slant``: cosine of the zenith angle at the sea [1]."""
     s = np.asarray(slant, dtype=np.float64)
     return np.asarray((height * (2.0 * EFFECTIVE_EARTH_RADIUS + height) - s * s) / (2.0 * EFFECTIVE_EARTH_RADIUS * s))
 
@@ -101,7 +101,7 @@ def elevation_coordinate(elevation: ArrayLike, dip: ArrayLike) -> FloatArray:
 
 
 def elevation_of_coordinate(y: ArrayLike, dip: float) -> FloatArray:
-    """Inverse of :func:`elevation_coordinate`: angle above the horizontal [rad]."""
+    """Inverse of ``elevation_coordinate``: angle above the horizontal [rad]."""
     scale = ELEVATION_SCALE + 0.5 * dip
     return np.asarray(scale * np.sinh(np.asarray(y) * np.arcsinh(0.5 * np.pi / scale)))
 

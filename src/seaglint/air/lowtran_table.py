@@ -10,9 +10,9 @@ The files, built by ``tools/build_atmosphere.py``, hold for one model atmosphere
 each as spectral principal components with scores that are interpolated by cubic splines. These quantities vary slowly where
 transmittance and radiance vary by orders of magnitude, and their splines show no bands in an image.
 
-:class:`BatchAtmosphere` evaluates cases that each have a wind, a height and angles, as in spreadsheets. Splines over wind, height and the
-path are weighted sums over node values (:class:`Stencil`): a not-a-knot spline in wind and height sums over the nodes between two kinks,
-along the path two values and two slopes suffice. A case takes 20 us; sums along its ray (:mod:`seaglint.air.profile.air_sums`) take a
+``BatchAtmosphere`` evaluates cases that each have a wind, a height and angles, as in spreadsheets. Splines over wind, height and the
+path are weighted sums over node values (``Stencil``): a not-a-knot spline in wind and height sums over the nodes between two kinks,
+along the path two values and two slopes suffice. A case takes 20 us; sums along its ray (``seaglint.air.profile.air_sums``) take a
 millisecond.
 """
 
@@ -90,7 +90,7 @@ class Stencil:
     def hermite(cls, nodes: FloatArray, x: FloatArray) -> Stencil:
         """Stencil of the cubic through values and slopes at the two nodes around ``x``, the end's tangent beyond the last one.
 
-        Node values are followed by node slopes, as :func:`with_slopes` stacks them.
+        Node values are followed by node slopes, as ``with_slopes`` stacks them.
         """
         n = nodes.size
         left = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, n - 2)
@@ -190,7 +190,7 @@ class Spectra:
 
 @dataclass(frozen=True, eq=False)
 class BandTable:
-    """Atmosphere table cut to a band, all winds. Make it with :meth:`read`."""
+    """Atmosphere table cut to a band, all winds. Make it with ``read``."""
 
     model: str  #: Model atmosphere.
     region: Region  #: Spectral region.
@@ -206,7 +206,7 @@ class BandTable:
     refraction: RefractingAir  #: LOWTRAN7's refraction.
     horizon_excess: FloatArray  #: Logarithm of the slant path to the sea horizon over its straight length [1, (heights,)].
     ray: FloatArray  #: Path coordinate of LOWTRAN7's rays against the coordinate of straight ones [1, (heights, nodes)].
-    path_depth: Spectra  #: Encoded optical depth of paths; arrays as in :func:`read_table`.
+    path_depth: Spectra  #: Encoded optical depth of paths; arrays as in ``read_table``.
     path_temperature: Spectra  #: Effective air temperature of paths [K].
     sun_depth: Spectra  #: Encoded optical depth of the path to the Sun.
     sky_temperature: Spectra  #: Temperature of the sky, horizontal to zenith [K].
@@ -311,7 +311,7 @@ def _covered(grid: FloatArray) -> str:
 
 @dataclass(frozen=True, eq=False)
 class BatchAtmosphere:
-    """LOWTRAN7 model atmosphere over one band for cases of different winds. Make it with :meth:`load`.
+    """LOWTRAN7 model atmosphere over one band for cases of different winds. Make it with ``load``.
 
     Notes
     -----
@@ -451,7 +451,7 @@ class BatchAtmosphere:
     def sky_radiance(self, wind_speed: ArrayLike, zenith: ArrayLike, height: ArrayLike | None = None) -> FloatArray:
         """Thermal radiance of the clear sky [W m-2 sr-1 per cm-1, (cases, n)] at zenith angles [rad, (cases,)].
 
-        The sky above the sea, or at heights [m, (cases,)], there down to the horizon of LOWTRAN7's own rays (:meth:`dip`).
+        The sky above the sea, or at heights [m, (cases,)], there down to the horizon of LOWTRAN7's own rays (``dip``).
         """
         angle = np.asarray(zenith, dtype=np.float64)
         if height is not None:

@@ -2,13 +2,13 @@
 
 All spectra are sampled on ``wavenumber_cm`` (ascending). Radiance is in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1.
 Paths are named by sensor height, by ``range_m``, the arc along the sea from the sensor's foot to the foot of the point looked at
-(:mod:`seaglint.base.conventions`), and by the height of that point, because refraction makes angles a poor key near the horizon.
+(``seaglint.base.conventions``), and by the height of that point, because refraction makes angles a poor key near the horizon.
 
 A point above the sea may be below, at or above the sensor's height, in front of sea or sky. Whether the sea hides it is decided by the
-caller: the straight line over the effective Earth is followed down to :data:`DEEPEST_LINE` below the mean sea, with air below the mean sea
+caller: the straight line over the effective Earth is followed down to ``DEEPEST_LINE`` below the mean sea, with air below the mean sea
 as at the mean sea; deeper lines are refused. Paths to the sea itself (height 0) continue beyond the horizon.
 
-An atmosphere from a file may contain sunlight scattered by the air, sampled for one Sun (:class:`ScatteredSamples`).
+An atmosphere from a file may contain sunlight scattered by the air, sampled for one Sun (``ScatteredSamples``).
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Atmosphere from spectra at nodes, for one sensor height: a user's calculation or measurement, or a live run of LOWTRAN7.
 
-Between the nodes the same quantities are splined as in the tables (:mod:`seaglint.air.lowtran_table`): encoded optical depth and
+Between the nodes the same quantities are splined as in the tables (``seaglint.air.lowtran_table``): encoded optical depth and
 effective air temperature of the path, encoded optical depth towards the Sun, brightness temperature of the sky.
 """
 
@@ -83,8 +83,8 @@ class SampledAtmosphere(ClearAir):
     -----
     Other sensor heights, arcs beyond the samples (unless they reach the horizon), and angles outside them are refused with the range
     covered. The sky from a height between the horizontal and the horizon of the calculation is stretched to the horizon of
-    :mod:`seaglint.base.conventions`. The accuracy depends on the nodes: with the nodes of
-    :mod:`seaglint.formats.lowtran.lowtran_sample`, band quantities are within 0.03 % of LOWTRAN7 runs between them.
+    ``seaglint.base.conventions``. The accuracy depends on the nodes: with the nodes of
+    ``seaglint.formats.lowtran.lowtran_sample``, band quantities are within 0.03 % of LOWTRAN7 runs between them.
 
     Examples
     --------
@@ -263,7 +263,7 @@ class SampledAtmosphere(ClearAir):
 
         ``target_height`` [m], broadcast with ``range_m``, belongs to the point looked at. Paths to a point above the sea are computed by
         the calculation behind the samples, if available. Otherwise a path from the sea is used, of such a length that it holds the same
-        amount of an absorber with the scale height :data:`SCALE_HEIGHT`; below the length of the shortest sample, its optical depth falls
+        amount of an absorber with the scale height ``SCALE_HEIGHT``; below the length of the shortest sample, its optical depth falls
         with the power of the length by which the shortest samples differ.
         """
         arc, target = require_line(height, range_m, target_height)

@@ -55,7 +55,7 @@ class SkySamples:
 
 
 def brightness_temperature(wavenumber_cm: FloatArray, radiance: FloatArray) -> FloatArray:
-    """Brightness temperature by the inverse of Planck's law [K], within :data:`COLDEST` ... :data:`HOTTEST`; 0 gives the coldest."""
+    """Brightness temperature by the inverse of Planck's law [K], within ``COLDEST`` ... ``HOTTEST``; 0 gives the coldest."""
     ratio = FIRST_RADIATION * wavenumber_cm**3 / np.maximum(radiance, 1e-280)
     return np.asarray(np.clip(SECOND_RADIATION * wavenumber_cm / np.log1p(ratio), COLDEST, HOTTEST))
 
@@ -71,7 +71,7 @@ def grazing_coordinate(share: ArrayLike) -> FloatArray:
 
 
 def grazing_share(coordinate: ArrayLike) -> FloatArray:
-    """Inverse of :func:`grazing_coordinate` [1]."""
+    """Inverse of ``grazing_coordinate`` [1]."""
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.asarray(coordinate, dtype=np.float64)))
 
 

@@ -1,6 +1,6 @@
 """Recording to analyse, and the first pass over it.
 
-A :class:`Recording` has the size of a sequence, its frame rate and units, and reads blocks of frames. :func:`survey` reads all frames once:
+A :class:`Recording` has the size of a sequence, its frame rate and units, and reads blocks of frames. ``survey`` reads all frames once:
 it computes the moments of every pixel in time and reports defects of the data.
 """
 

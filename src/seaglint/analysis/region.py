@@ -1,7 +1,7 @@
 """Statistics of one region of a recording: moments, fits, correlation, stationarity, spectrum and false alarms.
 
-:class:`Gatherer` accumulates the values that are needed during the second pass, :func:`region` computes the statistics from them, and
-:class:`Region` holds the results. Numbers that do not exist are None in the plain form, with the reason in a neighbouring entry. Units are
+``Gatherer`` accumulates the values that are needed during the second pass, ``region`` computes the statistics from them, and
+``Region`` holds the results. Numbers that do not exist are None in the plain form, with the reason in a neighbouring entry. Units are
 in the names of the entries; brightness is in the recording's units.
 """
 
@@ -56,7 +56,7 @@ class AlarmSummary(FalseAlarmRate):
     events: int | None  #: Number of connected sets of exceedances.
     events_per_frame: float | None  #: Events in a frame [1].
     event_duration_s: float | None  #: Mean duration of events [s].
-    #: Extreme-value tail (:meth:`seaglint.clutter.extremes.TailFit.as_dict`) or the reason for its absence, at the lowest threshold.
+    #: Extreme-value tail (``seaglint.clutter.extremes.TailFit.as_dict``) or the reason for its absence, at the lowest threshold.
     tail: JsonObject | None
 
     def as_dict(self) -> JsonObject:

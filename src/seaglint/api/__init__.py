@@ -11,7 +11,7 @@
     print(sg.analyze(run).as_dict()["regions"]["glint"]["std"])
 
 A command has the function of its name: ``seaglint export-sea`` is :func:`export_sea`, ``seaglint detect range`` is :func:`detect_range`.
-Commands of a group are functions of a module: ``seaglint texture fit`` is :func:`sg.texture.fit <seaglint.api.texture_models.fit>`. The
+Commands of a group are functions of a module: ``seaglint texture fit`` is :func:`sg.texture.fit`. The
 other modules are ``sg.atmosphere``, ``sg.evaluate``, ``sg.reproduce`` and ``sg.weather``. Options of the terminal have no parameters:
 results are returned, not printed. Results with axes are xarray; other results are a
 :class:`~seaglint.api.inputs_and_results.ResultRecord` with ``as_dict()`` and ``plot()``.

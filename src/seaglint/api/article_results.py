@@ -193,7 +193,7 @@ def fig12(
     Returns
     -------
     xarray.Dataset
-        The sequence; :func:`seaglint.labels` gives the labels of both bodies.
+        The sequence; :func:`sg.labels` gives the labels of both bodies.
 
     Examples
     --------

@@ -58,7 +58,7 @@ def analyze(
     ----------
     recording : xarray.Dataset, xarray.DataArray, ndarray, path or Recording
         Result of :func:`render` or a part of it, an array (rows, columns) or (frames, rows, columns), or a file of any format that
-        :func:`seaglint.formats.recording.open_recording` reads.
+        ``seaglint.formats.recording.open_recording`` reads.
     {request}
     progress : callable, optional
         Called with (frames read, frames to read in all).
@@ -66,7 +66,7 @@ def analyze(
     Returns
     -------
     Analysis
-        The regions' numbers, ``as_dict()`` of them for a file, and what :mod:`seaglint.plot.analysis_report` writes a report of.
+        The regions' numbers, ``as_dict()`` of them for a file, and what ``seaglint.plot.analysis_report`` writes a report of.
 
     Raises
     ------

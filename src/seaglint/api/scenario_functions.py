@@ -196,7 +196,7 @@ def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Datase
     Raises
     ------
     SeaglintError
-        A condition outside the models; see :mod:`seaglint.studies.build.scenario_physics`.
+        A condition outside the models; see ``seaglint.studies.build.scenario_physics``.
 
     Examples
     --------
@@ -223,7 +223,7 @@ def image(scenario: SceneInput, time: float = 0.0, layers: Collection[str] = ())
     time : float
         Time from the start [s]; any, frames are not more than instants.
     layers : collection of str
-        Further images, of :data:`seaglint.base.schema.LAYERS`: the radiance's four parts, distance and slope of the sea, the share of a
+        Further images, of ``seaglint.base.schema.LAYERS``: the radiance's four parts, distance and slope of the sea, the share of a
         pixel that the sea fills, the share of glint in the radiance, the number of the object in the pixel.
 
     Returns
@@ -239,7 +239,7 @@ def image(scenario: SceneInput, time: float = 0.0, layers: Collection[str] = ())
 
     Notes
     -----
-    Each call prepares everything; for many times take :func:`seaglint.studies.sequence.render_sequence.prepare_sequence`, ``at(time)``.
+    Each call prepares everything; for many times take ``seaglint.studies.sequence.render_sequence.prepare_sequence``, ``at(time)``.
 
     Examples
     --------

@@ -31,7 +31,7 @@ __all__ = ["compare", "fit", "place", "sample"]
 
 @dataclass(frozen=True)
 class FittedTexture:
-    """A texture fitted to a recording; :func:`fit` makes it, :func:`sample` and :func:`place` take it."""
+    """A texture fitted to a recording; :func:`sg.texture.fit` makes it, :func:`sg.texture.sample` and :func:`sg.texture.place` take it."""
 
     fitted: Fitted  #: Texture, data, and the sample that it is compared with.
 
@@ -100,7 +100,7 @@ def fit(
     Parameters
     ----------
     recording : xarray.Dataset, xarray.DataArray, ndarray, path or Recording
-        Images as for :func:`seaglint.analyze`.
+        Images as for :func:`sg.analyze`.
     output : path, optional
         File of the texture to write too, e.g. ``model.json``.
     {request}

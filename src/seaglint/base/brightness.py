@@ -31,7 +31,7 @@ class Scale:
     low: float  #: Lower limit.
     high: float  #: Upper limit.
     width: float | None = None  #: Width of the linear part of a logarithmic scale; None for other scales.
-    #: Brightness [0, 1] at the :data:`CELLS` + 1 edges of even cells from ``low`` to ``high``, of a scale by plateau equalisation.
+    #: Brightness [0, 1] at the ``CELLS`` + 1 edges of even cells from ``low`` to ``high``, of a scale by plateau equalisation.
     steps: FloatArray | None = None
 
     @property
@@ -50,7 +50,7 @@ class Scale:
         return np.asarray(np.log1p(np.maximum(x / self.width, -0.5)) / np.log1p((self.high - self.low) / self.width))
 
     def value(self, share: NDArray[Any]) -> FloatArray:
-        """Return the values of a brightness, the inverse of :meth:`share`."""
+        """Return the values of a brightness, the inverse of ``share``."""
         s = np.asarray(share, np.float64)
         if self.steps is not None:
             # cells without pixels make flat steps, which have no inverse

@@ -2,7 +2,7 @@
 
 World frame: x east, y north, z up. Zenith angles are measured from +z, azimuths clockwise from north, both in radians.
 Both directions of a reflection point away from the surface. ``depression`` is below the horizontal at the sensor;
-``elevation`` is its negative. Rays are straight over an Earth of :data:`~seaglint.base.constants.EFFECTIVE_EARTH_RADIUS`, which represents
+``elevation`` is its negative. Rays are straight over an Earth of ``EFFECTIVE_EARTH_RADIUS``, which represents
 mean refraction. ``range_m`` is the arc along the sea from the sensor's foot to the target point.
 """
 

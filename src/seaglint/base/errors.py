@@ -1,6 +1,6 @@
 """Errors that a user can cause. Each message has the given value, the allowed ones and the remedy.
 
-The command line prints them in one line and exits with :attr:`SeaglintError.exit_code`; any other exception is a defect of
+The command line prints them in one line and exits with ``SeaglintError.exit_code``; any other exception is a defect of
 seaglint and is printed with its traceback. Texts are for people: programs read the fields of an error.
 """
 

@@ -38,7 +38,7 @@ _unliteral: Any = numba.types.unliteral  # without types
 
 
 def _compiled(function: F, **options: Any) -> F:
-    """Compile a function with Numba on its first call, or load it from :func:`kernel_folder`."""
+    """Compile a function with Numba on its first call, or load it from ``kernel_folder``."""
     dispatcher: Any = numba.njit(**options)(function)
     if _settings.DISABLE_JIT:
         return cast(F, dispatcher)

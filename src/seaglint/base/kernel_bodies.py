@@ -69,7 +69,7 @@ class LinkedBody(JITCodeLibrary):
 
 
 class BodyCompiler(Compiler):
-    """Numba's compiler into a :class:`LinkedBody`."""
+    """Numba's compiler into a ``LinkedBody``."""
 
     def __init__(self, typing: Any, target: Any, library: Any, *others: Any) -> None:
         super().__init__(typing, target, LinkedBody(target.codegen(), "body") if library is None else library, *others)

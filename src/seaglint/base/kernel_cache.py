@@ -88,7 +88,7 @@ TURN: Final = 600.0
 def sources_digest(package: Path = PACKAGE) -> str:
     """Return a digest of all sources of compiled kernels: physics, files that import ``base.jit`` or define tuples, and constants.
 
-    Comments, docstrings and layout do not enter. A file is parsed once: :func:`_known_digests` reads digests of earlier processes.
+    Comments, docstrings and layout do not enter. A file is parsed once: ``_known_digests`` reads digests of earlier processes.
     """
     # without pathlib: its walk through some hundred files takes longer than reading them
     root, paths = str(package), []
@@ -200,7 +200,7 @@ def _own_temporary() -> Path:
 
 
 def remove_old(present: Path) -> None:
-    """Remove folders of other source versions, except the last :data:`MOST_FOLDERS` and those used within a day."""
+    """Remove folders of other source versions, except the last ``MOST_FOLDERS`` and those used within a day."""
     used: list[tuple[float, Path]] = []
     for folder in present.parent.glob(f"{PREFIX}*"):
         with suppress(OSError):  # another process was quicker

@@ -3,7 +3,7 @@
 Numba compiles a function when it is first called. One process compiles functions one after the other, which takes half a minute for a first
 picture. The file ``kernel_plan.txt`` lists the functions that Python calls, in order, with the types of their arguments. Helper processes
 take them from the end, while the work itself needs them from the beginning. If two processes need one function, the second waits and loads
-it (:mod:`seaglint.base.jit`), so that no function is compiled twice; the code does not depend on the compiling process. A function that is
+it (``seaglint.base.jit``), so that no function is compiled twice; the code does not depend on the compiling process. A function that is
 missing from the list is compiled when it is called. ``python tools/compile_times.py --plan`` writes the list.
 """
 
@@ -44,7 +44,7 @@ class PlannedKernel(NamedTuple):
 
     work: tuple[str, ...]  #: Kinds of work that call it, such as ``render``.
     function: str  #: Module and name, with a dot between them.
-    arguments: str  #: Types of its arguments in the form of :func:`spell`.
+    arguments: str  #: Types of its arguments in the form of ``spell``.
 
     @property
     def stem(self) -> str:
@@ -60,7 +60,7 @@ class PlannedKernel(NamedTuple):
 
 
 def spell(kind: Any) -> str:
-    """Return the type of an argument as text, the inverse of :func:`read_types`.
+    """Return the type of an argument as text, the inverse of ``read_types``.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def start_helpers(work: str) -> int:
 
 @cache
 def compile_ahead(work: str) -> int:
-    """Log that a kind of work compiles its functions, and :func:`start_helpers` unless they were started before; return their number."""
+    """Log that a kind of work compiles its functions, and ``start_helpers`` unless they were started before; return their number."""
     number = _to_compile(work)
     count = start_helpers(work)
     if number > 0:

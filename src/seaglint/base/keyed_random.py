@@ -73,7 +73,7 @@ def last_event(key: tuple[int, int], time: float) -> int:
     """Return the number of the last event before ``time`` in a Poisson process with one event per unit of time.
 
     Two times share their last event with the probability ``exp(-|difference|)``: a value drawn for this event has that correlation in time,
-    for any density, and any instant can be computed alone. Events are at instants :data:`SPACING` apart, with a different phase for each
+    for any density, and any instant can be computed alone. Events are at instants ``SPACING`` apart, with a different phase for each
     key, so that over all keys the correlation is exact at multiples of the spacing and linear between: errors are below 0.0022.
     """
     instant = math.floor(time / SPACING + (key[0] ^ key[1]) * 2.0**-32)
@@ -115,7 +115,7 @@ def normal_quantile(p: float) -> float:
 
 @kernel
 def gamma_deviate(shape: float, key: tuple[int, int], number: int) -> float:
-    """Return gamma deviate ``number`` of a key, mean 1 and variance ``1/shape``; continuous in the shape except at :data:`BOOST_BELOW`.
+    """Return gamma deviate ``number`` of a key, mean 1 and variance ``1/shape``; continuous in the shape except at ``BOOST_BELOW``.
 
     It is the cube of a normal deviate (Wilson and Hilferty 1931), scaled to the exact mean. Variances are within 0.2 % of the gamma
     density's, distances between the distributions below 0.003.

@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple, TypeVar, get_args, get_type_hints
 #: Headings of the parameters of requests, in the order of a help page that has headings.
 GROUPS: Final = ("Object", "Detector", "Recording", "Scenes", "Design", "Range", "Results", "Run")
 
-LINE: Final = "{request}"  #: Line of a docstring for which :func:`documented` writes the parameters of a request.
+LINE: Final = "{request}"  #: Line of a docstring for which ``documented`` writes the parameters of a request.
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -21,7 +21,7 @@ class Parameter(NamedTuple):
     """Description of one parameter, besides its type and default in a record."""
 
     help: str  #: Meaning with unit, in a line; names of other parameters are in backticks.
-    group: str = ""  #: Heading of the parameter on a help page, one of :data:`GROUPS`.
+    group: str = ""  #: Heading of the parameter on a help page, one of ``GROUPS``.
     #: Form of its text on a command line: "numbers" (``1,2,4`` or ``FIRST:LAST:STEP``), "pair" (``X,Y``), "limits"
     #: (``NEAR:FAR``), "size" (``COLUMNSxROWS``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of
     #: numbers), "mask" (image), "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for objects in

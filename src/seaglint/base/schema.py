@@ -138,7 +138,7 @@ VARIABLES: Final[dict[str, Variable]] = {
 
 NUMBERS: Final = tuple(variable.name for variable in _OBJECT_NUMBERS)  #: Names of the numbers of objects, in their order.
 
-#: Classes of size by their number: solid angles of less than a pixel, of at most :data:`MOST_SMALL` pixels, and larger.
+#: Classes of size by their number: solid angles of less than a pixel, of at most ``MOST_SMALL`` pixels, and larger.
 SIZES: Final = ("point", "small", "extended")
 
 MOST_SMALL: Final = 81  #: Greatest size of a small target [pixels]: 9 x 9, the definition of SPIE (0.12 % of 256 x 256).
@@ -157,7 +157,7 @@ ARTICLE_RADIANCE_SYMBOL: Final = "µW cm⁻² sr⁻¹"  #: That unit on plots.
 
 
 def default_image(names: Iterable[str]) -> str | None:
-    """Return the default image among several variables, the first of :data:`IMAGES`; None without any of them.
+    """Return the default image among several variables, the first of ``IMAGES``; None without any of them.
 
     >>> default_image(["range", "radiance", "signal"])
     'signal'

@@ -11,7 +11,7 @@ VARIABLE: Final = "NUMBA_NUM_THREADS"  #: Environment variable with the largest 
 
 MOST: Final = 256  #: Number of threads that is allowed on any machine.
 
-#: Threads for each processor above which a number over :data:`MOST` is taken for a mistake: each costs memory, and all run slower.
+#: Threads for each processor above which a number over ``MOST`` is taken for a mistake: each costs memory, and all run slower.
 MOST_PER_PROCESSOR: Final = 4
 
 

@@ -1,11 +1,11 @@
 """Conditions of draws: weather rows, times, places, hours of light and free Suns, from uniform numbers.
 
-- :func:`conditions` draws rows of a weather table with times and places. Rows stay whole and keep their season and hour.
+- ``conditions`` draws rows of a weather table with times and places. Rows stay whole and keep their season and hour.
 - :func:`hours_of_light` draws most hours of the day while the Sun is up, as a sea at night does not glint, with weights that undo the
   choice. The arc of the day is known to some minutes only, which suffices: the rest of the day is drawn too.
-- :func:`illuminated` is the probability that clouds do not hide the Sun from the sea: by their cover, only when overcast, or along slanting
+- ``illuminated`` is the probability that clouds do not hide the Sun from the sea: by their cover, only when overcast, or along slanting
   lines of sight.
-- :func:`smoothed` is a smooth bootstrap: drawn rows with kernel noise, so that a short table does not repeat the same few conditions.
+- ``smoothed`` is a smooth bootstrap: drawn rows with kernel noise, so that a short table does not repeat the same few conditions.
 
 In the smooth bootstrap each number gets normal noise with a standard deviation, the bandwidth, by Silverman's rule for the number d of
 smoothed dimensions,
@@ -144,7 +144,7 @@ def clear_line(cover: ArrayLike, elevation: ArrayLike, aspect: float) -> FloatAr
     elevation : array_like
         Elevation of the line of sight [rad]; broadcast. At 0 and below no line is clear under any cloud.
     aspect : float
-        a, height of clouds over their width [1]; 0 is :data:`CloudLaw` ``"cover"``.
+        a, height of clouds over their width [1]; 0 is ``CloudLaw`` ``"cover"``.
 
     Examples
     --------
@@ -228,7 +228,7 @@ def smoothed(table: WeatherTable, rows: IntArray, uniform: FloatArray, bandwidth
     uniform : (n, columns) array
         Numbers inside (0, 1), a column for each of ``bandwidth`` in its order.
     bandwidth : mapping
-        Standard deviation of the noise by column, as :func:`bandwidths` gives it.
+        Standard deviation of the noise by column, as ``bandwidths`` gives it.
 
     Raises
     ------
@@ -394,7 +394,7 @@ def conditions(
 def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> IntArray:
     """Draw rows at two uniform numbers each: the first chooses a range of winds, the second a row of it in the order of the cover.
 
-    Rows have the chances of :meth:`WeatherTable.draw`, but wind and cover follow separate numbers, so that points even in two dimensions
+    Rows have the chances of ``WeatherTable.draw``, but wind and cover follow separate numbers, so that points even in two dimensions
     leave little noise in either.
 
     >>> table = WeatherTable({"wind_speed_m_s": np.array([9.0, 3.0]), "cloud_cover": np.array([0.1, 0.9]), "weight": np.array([1.0, 3.0])})
@@ -405,7 +405,7 @@ def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> 
 
 
 def _pairs(weight: FloatArray, wind: FloatArray, cover: FloatArray, uniform: FloatArray, second: FloatArray) -> IntArray:
-    """Draw values of columns at two uniform numbers each, as :func:`draw_pairs`."""
+    """Draw values of columns at two uniform numbers each, as ``draw_pairs``."""
     order = np.lexsort((cover, wind))
     order = order[weight[order] > 0.0]
     ends = np.cumsum(weight[order])

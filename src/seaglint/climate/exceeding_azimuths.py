@@ -65,7 +65,7 @@ def azimuth_shares(
     Parameters
     ----------
     draws : ndarray
-        Looks [(n, 9)] as in :data:`seaglint.climate.glint_radiance.COLUMNS`; their azimuths are not used.
+        Looks [(n, 9)] as in ``seaglint.climate.glint_radiance.COLUMNS``; their azimuths are not used.
     light : MirroredLight
         Sunlight through the air.
     sea : WindSlopes

@@ -1,8 +1,8 @@
 """Radiance of the mirrored Sun for many looks at once, each with its weather, Sun, height and direction, and measures of it.
 
-:func:`seas` tabulates slopes of the sea and their shadowing against the wind. :func:`looks` evaluates the mean radiance of each look, or of
-the brightest direction about it. The measures for a designer are the mean, mean plus deviations (:func:`deviation`), pixels above a
-threshold (:func:`passes`) and hidden targets (:func:`detected`).
+``seas`` tabulates slopes of the sea and their shadowing against the wind. ``looks`` evaluates the mean radiance of each look, or of
+the brightest direction about it. The measures for a designer are the mean, mean plus deviations (``deviation``), pixels above a
+threshold (``passes``) and hidden targets (``detected``).
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ _SUNS: Final = 12  #: Number of azimuths of the Sun in a half circle over which 
 
 
 class WindSlopes(NamedTuple):
-    """Slopes against the wind, as kernels read them. Made by :func:`seas`."""
+    """Slopes against the wind, as kernels read them. Made by ``seas``."""
 
     first: float  #: Lowest wind [m/s].
     step: float  #: Step of the wind [m/s].
@@ -163,7 +163,7 @@ def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Sear
     Parameters
     ----------
     draws : ndarray
-        Looks [(n, 9)], columns as in :data:`COLUMNS`. With several depressions the range of ``light`` is searched, whatever the column
+        Looks [(n, 9)], columns as in ``COLUMNS``. With several depressions the range of ``light`` is searched, whatever the column
         holds.
     light : MirroredLight
         Sunlight through the air.

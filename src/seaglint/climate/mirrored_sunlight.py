@@ -44,11 +44,11 @@ _LEAST: Final = 1e-60  #: Radiance in place of 0, whose logarithm does not exist
 
 
 class MirroredLight(NamedTuple):
-    """Table of mirrored sunlight as kernels read it. Make it with :func:`mirrored_light`."""
+    """Table of mirrored sunlight as kernels read it. Make it with ``mirrored_light``."""
 
     winds: FloatArray  #: Nodes of wind [m/s, (models, winds)]; four equal tables where the air does not depend on wind.
     pieces: FloatArray  #: Indices of the first node of every piece without a kink, and of the last node [(models, pieces + 1)].
-    heights: FloatArray  #: Coordinates of sensor heights (:func:`height_coordinate`) [(heights,)], one or at least four.
+    heights: FloatArray  #: Coordinates of sensor heights (``height_coordinate``) [(heights,)], one or at least four.
     height_pieces: FloatArray  #: Indices of the first node of every layer of air, and of the last node.
     depression: tuple[float, float]  #: Range of depressions that are evaluated [rad].
     #: Least depression of the nodes [rad]: that of the looks from one height, the horizon from many, whose nodes then vary smoothly.
@@ -215,7 +215,7 @@ def height_coordinate(height: ArrayLike) -> FloatArray:
 
 
 def _heights_of(coordinate: FloatArray) -> FloatArray:
-    """Inverse of :func:`height_coordinate`."""
+    """Inverse of ``height_coordinate``."""
     layer = np.floor(np.maximum(coordinate, 0.0))
     above = 1e3 * (layer + 1.0 + np.maximum(coordinate - layer, 0.0) ** 2)
     return np.asarray(np.where(coordinate <= 0.0, 1e3 * np.exp(np.minimum(coordinate, 0.0)), above))

@@ -90,7 +90,7 @@ CLOUD_EDGES: Final = tuple(np.round((np.arange(10) - 0.5) / 8.0, 4))  #: Classes
 def wind_rose(table: WeatherTable) -> FloatArray:
     """Probability of direction and speed [(sectors, speed classes)]; its sum is the share of rows that have both.
 
-    Sector k is centred on 360 k / :data:`SECTORS` deg, which the wind comes from.
+    Sector k is centred on 360 k / ``SECTORS`` deg, which the wind comes from.
     """
     come, speed = table["wind_from_deg"], table["wind_speed_m_s"]
     known = ~np.isnan(come) & ~np.isnan(speed)

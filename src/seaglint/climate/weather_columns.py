@@ -97,7 +97,7 @@ def west_east(longitude: ArrayLike) -> FloatArray:
 def model_atmosphere(latitude: ArrayLike, month: ArrayLike) -> NDArray[np.str_]:
     """Return LOWTRAN7's model atmosphere for a latitude [deg] and month; empty where one of them is missing.
 
-    Tropical up to :data:`TROPICAL_BELOW`, subarctic from :data:`SUBARCTIC_FROM`, midlatitude between; summer is April to September in
+    Tropical up to ``TROPICAL_BELOW``, subarctic from ``SUBARCTIC_FROM``, midlatitude between; summer is April to September in
     the north and October to March in the south.
 
     Examples
@@ -148,7 +148,7 @@ TARGETS: Final = (*RANGES, *TEXTS, *HELPERS)  #: Names of all target columns of 
 class MappedColumn:
     """Mapping of one column: value = ``scale * cell + offset``."""
 
-    name: str  #: One of :data:`TARGETS`.
+    name: str  #: One of ``TARGETS``.
     column: str  #: Heading in the file.
     unit: str = ""  #: Unit as given, for messages; empty where the cells are in the unit of the target column.
     scale: float = 1.0  #: Factor from its unit to ours.

@@ -53,9 +53,9 @@ class WeatherTable:
     Parameters
     ----------
     columns : mapping of str to (rows,) array
-        Numbers by name, a name of :data:`RANGES`; NaN is a missing value. Without ``weight`` all rows have the same weight.
+        Numbers by name, a name of ``RANGES``; NaN is a missing value. Without ``weight`` all rows have the same weight.
     texts : mapping of str to (rows,) array
-        Texts by name, a name of :data:`TEXTS`.
+        Texts by name, a name of ``TEXTS``.
 
     Raises
     ------

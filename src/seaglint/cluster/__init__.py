@@ -1,6 +1,6 @@
 """Work units distributed over workers: this process, local processes, a Dask cluster.
 
-Work is a :class:`~seaglint.cluster.job.Job` that each worker starts once and then calls for one unit after the other. Workers write their
+Work is a ``Job`` that each worker starts once and then calls for one unit after the other. Workers write their
 results to files and return a small record for each unit.
 """
 

@@ -106,7 +106,7 @@ class DaskWorkers:
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Yield the outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
+        """Yield the outcomes of all units as they finish; see ``seaglint.cluster.job.Workers``.
 
         Leaving the context cancels units that have not begun. A unit in progress on another machine ends there, and its outcome is dropped.
 
@@ -176,7 +176,7 @@ class DaskWorkers:
                 return
 
     def submit(self, units: list[bytes], content: bytes) -> list[Any]:
-        """Return futures of :func:`seaglint.cluster.remote.do`, sent together: one by one they cost several times as much."""
+        """Return futures of ``seaglint.cluster.remote.do``, sent together: one by one they cost several times as much."""
         keys = [f"seaglint-{uuid.uuid4().hex}" for _ in units]
         try:
             return list(self._client.map(self.task, units, content=content, pure=False, retries=0, key=keys))

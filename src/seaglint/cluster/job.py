@@ -44,7 +44,7 @@ class Done(Generic[Unit, Record]):
 
 @dataclass(frozen=True)
 class Failed(Generic[Unit]):
-    """Outcome of a unit that failed :data:`ATTEMPTS` times, on different workers if possible."""
+    """Outcome of a unit that failed ``ATTEMPTS`` times, on different workers if possible."""
 
     unit: Unit
     error: str  #: Last error, one line.
@@ -89,7 +89,7 @@ def outgoing(value: Any) -> bytes:
 
 
 def attempt(work: Callable[[Unit], Record], unit: Unit, worker: str, attempts: int) -> Done[Unit, Record] | Failed[Unit]:
-    """Do a unit once; errors become a :class:`Failed`, requests to stop are raised."""
+    """Do a unit once; errors become a ``Failed``, requests to stop are raised."""
     began = time.perf_counter()
     try:
         record = work(unit)

@@ -32,7 +32,7 @@ class ThisProcess:
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Yield the outcomes of all units in their order; see :class:`seaglint.cluster.job.Workers`."""
+        """Yield the outcomes of all units in their order; see ``seaglint.cluster.job.Workers``."""
         work = job.start(job.settings)
 
         def outcomes() -> Iterator[Done[Unit, Record] | Failed[Unit]]:
@@ -141,7 +141,7 @@ class LocalProcesses:
     Raises
     ------
     DomainError
-        A count below 1 or above :data:`MOST`.
+        A count below 1 or above ``MOST``.
     """
 
     def __init__(self, count: int, *, threads: int | None = None) -> None:
@@ -171,10 +171,10 @@ class LocalProcesses:
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Yield the outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
+        """Yield the outcomes of all units as they finish; see ``seaglint.cluster.job.Workers``.
 
         Units are taken from their iterable when a process is free for them; if the iterable ends early, the units taken before are
-        finished. Leaving the context lets units in progress end within :data:`GRACE` seconds.
+        finished. Leaving the context lets units in progress end within ``GRACE`` seconds.
 
         Raises
         ------

@@ -52,7 +52,7 @@ def packed(job: Job[Any, Any, Any]) -> bytes:
 
 
 def describe() -> tuple[Any, ...] | None:
-    """Return the worker's :class:`seaglint.cluster.remote.Machine` as a tuple; None for a worker without the package."""
+    """Return the worker's ``seaglint.cluster.remote.Machine`` as a tuple; None for a worker without the package."""
     # The module imports itself: a global of this function would need the package before its absence can be reported.
     try:
         from seaglint.cluster import remote

@@ -57,7 +57,7 @@ def spatial_correlation(
     mask : ndarray of bool, shape (rows, columns), optional
         Pixels of the region.
     mean : array_like, shape (rows, columns), optional
-        Part that is no clutter and is subtracted first: with :func:`trend_surface`, for one frame and for many, the shape of the
+        Part that is no clutter and is subtracted first: with ``trend_surface``, for one frame and for many, the shape of the
         corridor is not taken for correlation. (The mean in time of each pixel serves for a long sequence only: the mean of a few
         frames contains clutter.) The region's mean is removed in any case.
     longest : int, optional

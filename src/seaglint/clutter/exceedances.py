@@ -85,7 +85,7 @@ class JointProbability:
         return (self.joint - p * p) / (p - p * p)
 
     def correlation_time(self) -> tuple[float | None, str | None]:
-        """Lag at which :attr:`correlation` first falls to 1/e, by linear interpolation [frames], or None with the reason.
+        """Lag at which ``correlation`` first falls to 1/e, by linear interpolation [frames], or None with the reason.
 
         Reasons are fewer than two frames, no exceedances, a correlation that vanishes within one frame (the true time is below the frame
         interval), or one that does not fall to 1/e within the available lags.

@@ -150,8 +150,8 @@ class TailFit:
     shape_interval: tuple[float, float]  #: 95 % interval of the shape [1].
     #: Significance of the Anderson-Darling distance between data and fit, from 99 draws from the fit that are fitted anew [1].
     goodness_p: float
-    #: Threshold [standard deviations] up to which the 95 % interval of the rate spans less than a factor of :data:`TRUSTED_SPAN` and one
-    #: exceedance in :data:`TRUSTED_SETS` data sets is not undercut; given that the form of the tail holds.
+    #: Threshold [standard deviations] up to which the 95 % interval of the rate spans less than a factor of ``TRUSTED_SPAN`` and one
+    #: exceedance in ``TRUSTED_SETS`` data sets is not undercut; given that the form of the tail holds.
     trusted_to_sigma: float
     trusted_to_rate: float  #: Rate at that threshold [1].
     _draws: tuple[FloatArray, FloatArray, FloatArray]
@@ -203,7 +203,7 @@ def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFi
     """Fit a generalised Pareto tail to a rate curve.
 
     u is the lowest of ten thresholds (quantiles 0, 10, ... 90 % of the events' peaks) above which the Anderson-Darling test does not reject
-    the fit at 10 %, with at least :data:`FEWEST_EVENTS` events above it. Intervals follow from maximum likelihood for as many observations
+    the fit at 10 %, with at least ``FEWEST_EVENTS`` events above it. Intervals follow from maximum likelihood for as many observations
     as there are events above u; a sea with a brightness that changes over the record has wider ones.
 
     Parameters

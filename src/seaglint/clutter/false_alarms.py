@@ -132,7 +132,7 @@ class RateCurve:
 def lone_lines(counts: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the rows (or columns) with far more exceedances than their neighbours: bad lines of a sensor, edges of a picture.
 
-    A line counts if it has at least :data:`LONE_SHARE` of all exceedances and 10 of them, and :data:`LONE_TIMES` as many as the lines two
+    A line counts if it has at least ``LONE_SHARE`` of all exceedances and 10 of them, and ``LONE_TIMES`` as many as the lines two
     away (a filter of three pixels carries it into the next ones) and as the mean line.
 
     Parameters
@@ -249,7 +249,7 @@ class FalseAlarms:
     def rates(self, level: float = 0.95) -> list[FalseAlarmRate]:
         """Return the rate at each threshold with its confidence interval of a level, lowest threshold first.
 
-        The interval is Wilson's with an effective number of pixels (:func:`seaglint.clutter.cluster_variance.rate_variance`). A threshold
+        The interval is Wilson's with an effective number of pixels (``seaglint.clutter.cluster_variance.rate_variance``). A threshold
         with fewer than 10 exceedances takes the inflation of the next lower one that has more, or else independent pixels; ``note`` reports
         it.
 

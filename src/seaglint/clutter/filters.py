@@ -265,7 +265,7 @@ class MatchedFilter:
     signature : array_like
         Shape (odd, odd), at most 31 on a side; with a frame of background around the target, which gives the contrast.
     covariance : array_like, optional
-        Autocovariance of the clutter at lags -reach ... reach, shape (2 reach + 1, 2 reach + 1), from :func:`autocovariance`; reach at
+        Autocovariance of the clutter at lags -reach ... reach, shape (2 reach + 1, 2 reach + 1), from ``autocovariance``; reach at
         least the signature's side less one. Without it the clutter is taken as white.
 
     Raises
@@ -385,7 +385,7 @@ _BY_NAME: Final[Mapping[str, Callable[[], Filter]]] = {
 
 
 def named(name: str) -> Filter:
-    """Filter of a name with its default settings (:data:`NAMES`; ``-`` and ``_`` are equal, ``dog`` is short for the second).
+    """Filter of a name with its default settings (``NAMES``; ``-`` and ``_`` are equal, ``dog`` is short for the second).
 
     Raises
     ------

@@ -55,7 +55,7 @@ STEP = 1e-4  # of a log parameter, for derivatives: error 1e-8 relative, far bel
 class Fit:
     """Fit of one family of distributions to one set of values."""
 
-    family: Family  #: One of :data:`FAMILIES`.
+    family: Family  #: One of ``FAMILIES``.
     shape: float | None  #: Shape as in the module's table; None for the Gaussian, or without a fit.
     loc: float | None  #: Location as in the module's table; None without a fit.
     scale: float | None  #: Scale as in the module's table; None without a fit.
@@ -85,7 +85,7 @@ class Fit:
         return np.exp(log_density(self.family, np.asarray(x, dtype=np.float64) - loc, theta))
 
     def parameters(self) -> tuple[tuple[float, float], float]:
-        """Two free parameters as in :func:`log_density`, and the location to subtract before."""
+        """Two free parameters as in ``log_density``, and the location to subtract before."""
         if self.scale is None or self.loc is None:
             raise DataError(f"there is no {self.family} fit: {self.reason}")
         if self.family == "gaussian":
@@ -128,7 +128,7 @@ def fit(
     values : array_like, any shape
         Sample, or centres of the cells of a fine histogram; NaN are left out.
     family : str
-        One of :data:`FAMILIES`.
+        One of ``FAMILIES``.
     loc : float
         Location of the positive families, known beforehand, unit of the data.
     weights : array_like, shape of values, optional

@@ -206,7 +206,7 @@ class Background:
         return np.asarray((self.statistic[window] - np.float64(mean)) / sigma, np.float32)
 
     def add_to(self, alarms: FalseAlarms, law: Law) -> Iterator[NDArray[np.float32]]:
-        """Add all windows to an accumulator of false alarms, and iterate over their statistics, see :meth:`z`."""
+        """Add all windows to an accumulator of false alarms, and iterate over their statistics, see ``z``."""
         nothing = np.full(self.statistic.shape[1:], np.nan, np.float32)
         for window in range(self.windows):
             # An empty frame between sequences: exceedances of independent seas do not touch.

@@ -135,7 +135,7 @@ class CellAveraging(RingDetector):
     name: str = field(default="ca-cfar", init=False)
 
     def __call__(self, frames: Frames) -> Frames:
-        """Equivalent standard deviations, -8 to :data:`HIGHEST`, shape (k, rows, columns) [1]; NaN for a ring without variation."""
+        """Equivalent standard deviations, -8 to ``HIGHEST``, shape (k, rows, columns) [1]; NaN for a ring without variation."""
         n = self.cells
         nodes = _averaging_ratios(self.clutter, n)
         out = np.empty_like(frames, np.float32)
@@ -302,7 +302,7 @@ class OrderedStatistic(RingDetector):
         return "os-cfar" if self.clutter == "gaussian" else "os-cfar-exponential"
 
     def __call__(self, frames: Frames) -> Frames:
-        """Equivalent standard deviations, shape (k, rows, columns) [1]: -8 to :data:`HIGHEST`, to some 13 for Gaussian clutter.
+        """Equivalent standard deviations, shape (k, rows, columns) [1]: -8 to ``HIGHEST``, to some 13 for Gaussian clutter.
 
         NaN where the ring's quantiles are equal, or in the exponential case not above 0.
         """

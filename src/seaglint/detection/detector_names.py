@@ -1,6 +1,6 @@
 """Names of the detectors of this package, with their classes: the one list behind help texts, errors and the choice of a range.
 
-Importing this module loads no other module: a help page needs it. :mod:`seaglint.detection.named_detectors` makes the detectors.
+Importing this module loads no other module: a help page needs it. ``seaglint.detection.named_detectors`` makes the detectors.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ class DetectorEntry(NamedTuple):
     """Detector of the package: its name, its class and its use by the commands."""
 
     name: str  #: Name in requests and results.
-    made_by: str  #: Module of :mod:`seaglint.detection` and class.
+    made_by: str  #: Module of ``seaglint.detection`` and class.
     statistic: str  #: Statistic in one line.
     settings: dict[str, Any] = {}  # noqa: RUF012  #: Arguments of the class.
     needs_shape: bool = False  #: True if the detector is built for the shape of an object.

@@ -129,7 +129,7 @@ class InjectionPlan:
 
     @property
     def per_batch(self) -> int:
-        """Number of injections of one batch: as many as spread them over all windows, at least :data:`SHARED`, as far as there is space."""
+        """Number of injections of one batch: as many as spread them over all windows, at least ``SHARED``, as far as there is space."""
         first, end = self.row_range
         # Cells of the lattice inside the margin, at least one along each axis.
         cells = max((end - first) // self.pitch, 1) * max((self.columns - 2 * self.margin) // self.pitch, 1)

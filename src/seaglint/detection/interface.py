@@ -10,7 +10,7 @@ Objects share a frame where their statistics do not disturb each other: ``reach`
 a pixel. A ``linear`` detector gives the sum of the statistics of two sequences for their sum, so that clutter and objects may pass through
 it separately.
 
-Recordings have missing pixels: dead lines and pixels, even rows of sky, NaN. A user's function gets whole frames (:func:`filled`), as few
+Recordings have missing pixels: dead lines and pixels, even rows of sky, NaN. A user's function gets whole frames (``filled``), as few
 functions are made for NaN and a median or mean over a frame would be lost for all of it; its statistic is masked where a value is missing.
 With an attribute ``takes_nan = True`` the function gets NaN instead.
 """
@@ -142,7 +142,7 @@ class UserDetector:
     name: str  #: Name in the results.
     lead: int = 0  #: Earlier frames needed [frames].
     calibrated: bool = False  #: Whether the statistic is in equivalent standard deviations.
-    takes_nan: bool = False  #: Whether the function gets NaN where values are missing, rather than frames filled by :func:`filled`.
+    takes_nan: bool = False  #: Whether the function gets NaN where values are missing, rather than frames filled by ``filled``.
     reach: int | None = None  #: Pixels around a pixel on which its statistic depends [px]; the whole frame by default.
     linear: bool = field(default=False, init=False)
 

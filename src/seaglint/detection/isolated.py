@@ -29,14 +29,14 @@ class IsolatedDetector:
     Parameters
     ----------
     path : str
-        Path as for :func:`seaglint.detection.interface.load`.
+        Path as for ``seaglint.detection.interface.load``.
     time_limit : float
         Longest time of a call [s].
 
     Raises
     ------
     DataError
-        A path that :func:`seaglint.detection.interface.load` refuses, or a module that ends the process or takes too long to import.
+        A path that ``seaglint.detection.interface.load`` refuses, or a module that ends the process or takes too long to import.
     DomainError
         A time limit that is not above 0.
     """

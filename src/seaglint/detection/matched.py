@@ -66,7 +66,7 @@ class Matched:
     signature : array_like
         The object centred on a pixel, shape (odd, odd) [1].
     covariance : array_like, optional
-        Autocovariance of the clutter (:func:`seaglint.clutter.filters.autocovariance`); white without it.
+        Autocovariance of the clutter (``seaglint.clutter.filters.autocovariance``); white without it.
     known_level : bool
         Whether the level of the clutter is known.
     """

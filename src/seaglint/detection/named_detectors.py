@@ -1,4 +1,4 @@
-"""Detectors by name: the detectors of :mod:`seaglint.detection.detector_names` with default settings, and a user's detector."""
+"""Detectors by name: the detectors of ``seaglint.detection.detector_names`` with default settings, and a user's detector."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CORE: Final = 0.999  #: Share of its energy that a signature keeps where covaria
 
 
 def named(name: str) -> Detector:
-    """Return the detector of a name in :data:`PLAIN` with default settings, or of ``package.module:function``.
+    """Return the detector of a name in ``PLAIN`` with default settings, or of ``package.module:function``.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def named_for(name: str, shape: SpotShape, background: Callable[[], Frames]) -> 
     Parameters
     ----------
     name : str
-        One of :data:`NAMES`, or ``package.module:function``.
+        One of ``NAMES``, or ``package.module:function``.
     shape : SpotShape
         Shape of the objects.
     background : callable

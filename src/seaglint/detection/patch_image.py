@@ -34,7 +34,7 @@ def robust_components(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
     Returns
     -------
     background, sparse : ndarray
-        Both of the matrix's shape; they add up to it to :data:`TOLERANCE` of its norm.
+        Both of the matrix's shape; they add up to it to ``TOLERANCE`` of its norm.
     """
     norm = float(np.linalg.norm(matrix))
     background, sparse = np.zeros_like(matrix), np.zeros_like(matrix)

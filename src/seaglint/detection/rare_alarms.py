@@ -2,7 +2,7 @@
 
 The fit is explained in :mod:`seaglint.clutter.extremes`: a generalised Pareto distribution of the excess of all exceeding pixels, whose
 uncertainty follows from the number of declustered events. Tails of clutter approach that form slowly (a Gaussian's shape is still -0.08 at
-three standard deviations), so that a fit to many exceedances is precise and wrong: no more than :data:`MOST_EVENTS` events are fitted.
+three standard deviations), so that a fit to many exceedances is precise and wrong: no more than ``MOST_EVENTS`` events are fitted.
 Intervals follow from the profile likelihood: far beyond the data a rate depends on the shape so strongly that intervals symmetric in the
 shape are too short on the side of more alarms.
 
@@ -48,13 +48,13 @@ class RareRate:
     rate: float  #: Rate per pixel [1].
     low: float  #: Lower end of its 95 % interval [1].
     high: float  #: Upper end of its 95 % interval [1].
-    #: Whether the interval is narrower than a factor of :data:`seaglint.clutter.extremes.TRUSTED_SPAN`, and one exceedance in
-    #: :data:`seaglint.clutter.extremes.TRUSTED_SETS` data sets is not undercut.
+    #: Whether the interval is narrower than a factor of ``seaglint.clutter.extremes.TRUSTED_SPAN``, and one exceedance in
+    #: ``seaglint.clutter.extremes.TRUSTED_SETS`` data sets is not undercut.
     believed: bool
 
 
 class StatisticSteps(Protocol):
-    """Steps of a statistic, see :class:`seaglint.detection.stepped_tails.Steps`."""
+    """Steps of a statistic, see ``seaglint.detection.stepped_tails.Steps``."""
 
     def below(self, threshold: float) -> float:
         """Middle between the two levels around a threshold [standard deviations]."""

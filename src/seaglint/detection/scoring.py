@@ -234,7 +234,7 @@ class Interval:
 def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level: float) -> Interval:
     """Return Wilson's interval with the effective number of trials from the scatter between cells.
 
-    Fewer than :data:`FEWEST` occurrences, or as few that did not occur, are taken as independent, with the exact interval
+    Fewer than ``FEWEST`` occurrences, or as few that did not occur, are taken as independent, with the exact interval
     (:func:`exact_interval`) and a note.
 
     Parameters

@@ -1,7 +1,7 @@
 """Frames without objects, in which detectors are evaluated: their interface, and the effects of a sensor and of a level.
 
-A sensor counts the light of an injected object with shot noise and in steps of the converter (:class:`Counting`). A recording may subtract
-a level from its frames for precision; :class:`Rescaled` and :func:`level_shift` restore it where a detector or a threshold needs it.
+A sensor counts the light of an injected object with shot noise and in steps of the converter (``Counting``). A recording may subtract
+a level from its frames for precision; ``Rescaled`` and ``level_shift`` restore it where a detector or a threshold needs it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from seaglint.detection.interface import Detector, Frames
 class FrameSource(Protocol):
     """Frames without objects: a recording, or pictures rendered on demand.
 
-    A source inherits from :class:`PlainFrames` the members that it does not define.
+    A source inherits from ``PlainFrames`` the members that it does not define.
     """
 
     @property
@@ -55,7 +55,7 @@ class FrameSource(Protocol):
 
     @property
     def offset(self) -> float:
-        """Level that :meth:`read` has subtracted from the source's own numbers [u]."""
+        """Level that ``read`` has subtracted from the source's own numbers [u]."""
         ...
 
     def read(self, start: int, stop: int) -> Frames:
@@ -121,7 +121,7 @@ class Counting:
             Mean of the objects' light [u]. Below 0, for objects darker than their background, it has no separate noise: the missing
             electrons take a little of the background's noise with them, which is left in.
         draws : ndarray, shape (k, 2, rows, columns)
-            Numbers from :meth:`draws`.
+            Numbers from ``draws``.
         """
         out = np.zeros_like(light)
         lit = light != 0.0

@@ -2,7 +2,7 @@
 
 For a linear detector, clutter and objects pass separately: the statistic of the clutter is known, and the statistic of the objects is
 computed once and scaled to every contrast. Any other detector receives the frames with the objects in them. Objects before a sensor have
-shot noise, and their increase is counted in steps (:class:`seaglint.detection.sources.Counting`).
+shot noise, and their increase is counted in steps (``seaglint.detection.sources.Counting``).
 
 Positions are estimated by centroid or least squares, as (row, column) from the centre of the patch's middle pixel [px].
 
@@ -73,7 +73,7 @@ def least_squares(patches: FloatArray, shape: SpotShape) -> FloatArray:
     """Position of the best fit of the shape with an amplitude and a constant level to each patch, shape (n, 2) [px].
 
     Gauss-Newton steps on the place from the middle of the patch; amplitude and level are solved for at each. Places farther than
-    :data:`FARTHEST` from the middle are given as NaN: noise has a brighter pixel.
+    ``FARTHEST`` from the middle are given as NaN: noise has a brighter pixel.
 
     Parameters
     ----------

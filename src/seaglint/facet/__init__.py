@@ -2,8 +2,8 @@
 
 Two quadratures compute it, each the other's check:
 
-- averages over slope statistics: :mod:`~seaglint.facet.legs`, :mod:`~seaglint.facet.glint`, :mod:`~seaglint.facet.emissivity`,
-  :mod:`~seaglint.facet.scattered`;
-- the facets of a synthesised sea with roughness on them: :mod:`~seaglint.facet.facet_sunlight`, :mod:`~seaglint.facet.solar_disc`,
-  :mod:`~seaglint.facet.thermal`, :mod:`~seaglint.facet.mirrored_haze`.
+- averages over slope statistics: ``legs``, :mod:`~seaglint.facet.glint`, :mod:`~seaglint.facet.emissivity`,
+  ``scattered``;
+- the facets of a synthesised sea with roughness on them: ``facet_sunlight``, ``solar_disc``,
+  ``thermal``, ``mirrored_haze``.
 """

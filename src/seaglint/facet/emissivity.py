@@ -14,7 +14,7 @@ References
 Masuda, Takashima and Takayama 1988, Remote Sens. Environ. 24, 313 (average without the second reflection);
 Wu and Smith 1997, Appl. Opt. 36, 2609 (with sea-to-sea reflection).
 
-Facets of synthesised waves are in :mod:`seaglint.facet.thermal`; each quadrature is the other's check.
+Facets of synthesised waves are in ``seaglint.facet.thermal``; each quadrature is the other's check.
 """
 
 from __future__ import annotations

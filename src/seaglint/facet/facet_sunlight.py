@@ -5,12 +5,12 @@ A facet of resolved slope ``s0`` carries the Gaussian density ``q`` of the slope
     L_sun = rho(omega) E q(s* - s0) S (1 + Lambda_v) / (4 cos^4(beta) A+),
 
 with ``A+``, both ``Lambda`` and the two-leg factor ``S`` taken about the facet's own tilt (``S (1 + Lambda_v)/A+`` is ``1/A+`` under a
-high Sun). ``q`` is convolved with the solar disc (:mod:`seaglint.facet.solar_disc`).
+high Sun). ``q`` is convolved with the solar disc (``seaglint.facet.solar_disc``).
 Where the sensor is low the unresolved waves hide each other: ``q`` is weighted by the law of nested bands
 (:mod:`seaglint.sea.shadowing.nested`) about the facet's tilt, with the bands and the shelter that brute force leaves to
 facets of their share of the slope variance; with a low Sun, by the law of facets that are both visible and lit.
 
-Averages over slope statistics are in :mod:`seaglint.facet.legs`; each quadrature is the other's check.
+Averages over slope statistics are in ``seaglint.facet.legs``; each quadrature is the other's check.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class FacetTables(NamedTuple):
 
 
 class FacetOptics(NamedTuple):
-    """Tables that :func:`facet_thermal` and :func:`facet_sunlight` read."""
+    """Tables that ``facet_thermal`` and ``facet_sunlight`` read."""
 
     sunlight: Sunlight
     roughness: Roughness
@@ -62,7 +62,7 @@ class FacetLevels(NamedTuple):
     ``roughness[l] = (ee, en, nn, towards the Sun, shelter, gain of the Sun's leg, wind)``, the shelter of three numbers;
     ``nested[l]`` and ``coupling[l]`` its tables, unless all are Smith's and ``smith`` is set; ``lean[l]`` and ``gains[l]`` the tables of
     the lean, empty if no facets lean; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu,
-    nchi, na, nc)`` and ``axes[l]``; ``sun`` as in :class:`FacetTables`.
+    nchi, na, nc)`` and ``axes[l]``; ``sun`` as in ``FacetTables``.
     """
 
     roughness: np.ndarray
@@ -111,7 +111,7 @@ def sun_factor(
 ) -> tuple[float, float]:
     """Glint factor ``q S (1+Lambda_v)/(4 cos^4(beta) A+)`` [1/sr] and the cosine of incidence; ``grazing`` is its sine and cosine.
 
-    ``spread``: covariance (ee, en, nn) of resolved slopes about ``slope`` (:mod:`seaglint.imaging.sweep.walk`), which ``q`` is averaged
+    ``spread``: covariance (ee, en, nn) of resolved slopes about ``slope`` (``seaglint.imaging.sweep.walk``), which ``q`` is averaged
     over.
     """
     vz, horizontal = grazing
@@ -155,9 +155,9 @@ def sun_factor(
 def facet_share(
     sun: Sunlight, rough: Roughness, sight: Sight, grazing: tuple[float, float], mirror: tuple[float, float], slope: tuple[float, float]
 ) -> tuple[float, float, float]:
-    """Share :func:`seen_and_lit` of a facet of a slope, for the slope ``mirror`` that mirrors the Sun, and its lean, east and north.
+    """Share ``seen_and_lit`` of a facet of a slope, for the slope ``mirror`` that mirrors the Sun, and its lean, east and north.
 
-    ``grazing`` as in :func:`sun_factor`; the lean is the shift of the mean of the unresolved slopes that are visible and lit.
+    ``grazing`` as in ``sun_factor``; the lean is the shift of the mean of the unresolved slopes that are visible and lit.
     """
     vz, horizontal = grazing
     tilt = sight.east * slope[0] + sight.north * slope[1]
@@ -187,7 +187,7 @@ def merged_share(
     slope: tuple[float, float],
     spread: tuple[float, float, float],
 ) -> tuple[float, float, float]:
-    """Mean of :func:`facet_share` over slopes of a covariance ``spread`` (ee, en, nn) about ``slope``, and the shift of their mean.
+    """Mean of ``facet_share`` over slopes of a covariance ``spread`` (ee, en, nn) about ``slope``, and the shift of their mean.
 
     The shift, east and north, adds the shift of the mean slope weighted with the share and the mean lean.
 
@@ -214,7 +214,7 @@ def seen_and_lit(
 
     ``mirroring``: slope that mirrors the Sun from the facet's tilt, towards the viewer and towards the Sun, in deviations. ``above``: mean
     over the facet's slopes of ``v_z - v_h.s`` for the directions to viewer and Sun, and ``deviation`` its spread. The law of
-    :func:`seaglint.facet.legs.seen_and_lit_kernel` is applied about the tilt.
+    ``seaglint.facet.legs.seen_and_lit_kernel`` is applied about the tilt.
     """
     view, sun = above
     area = quick_visible_area_kernel(view, deviation[0])
@@ -258,8 +258,8 @@ def facet_sunlight(
 ) -> tuple[float, float]:
     """Mirrored sunlight of a facet, attenuated [W m-2 sr-1], and its glint factor [1/sr].
 
-    ``line`` is :func:`disc_line` of the line of sight, ``grazing`` the sine and cosine of the grazing angle; ``path`` and ``at`` as for
-    :func:`facet_thermal`, ``spread`` for :func:`sun_factor`.
+    ``line`` is ``disc_line`` of the line of sight, ``grazing`` the sine and cosine of the grazing angle; ``path`` and ``at`` as for
+    ``facet_thermal``, ``spread`` for ``sun_factor``.
     """
     factor, cosine = sun_factor(optics.sunlight, optics.roughness, line, sight, grazing, slope, spread)
     if factor <= 0.0:

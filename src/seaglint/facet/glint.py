@@ -11,9 +11,9 @@ and the share of the visible projected area that mirrors the solar disc is
 A mirroring point shows :math:`\rho E / (\pi \epsilon^2)`. For a density much wider than the disc's image this is Eq. 8 of the source
 article, ``rho p S E / (4 cos^4(beta) cos(theta_v))``; for a calm sea, where that formula exceeds any possible value, P is the
 integral of the visible density over the disc and never above 1. The Sun's direction is taken relative to the vertical of the place that is
-looked at (:mod:`seaglint.facet.sunlight`).
+looked at (``seaglint.facet.sunlight``).
 
-Facets of synthesised waves are in :mod:`seaglint.facet.solar_disc`; each quadrature is the other's check.
+Facets of synthesised waves are in ``seaglint.facet.solar_disc``; each quadrature is the other's check.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class SunDisc(NamedTuple):
 
     points: FloatArray  #: Directions of the disc's centre and the hexagon about it (east, north, up) and their weights [sr, (7, 4)].
     rule: FloatArray  #: Gauss-Legendre points and weights [(2, 24)].
-    first: float  #: First sine of elevation, steps and values of a :class:`~seaglint.facet.sunlight.SunTable`; an array, no nested tuple.
+    first: float  #: First sine of elevation, steps and values of a ``SunTable``; an array, no nested tuple.
     per_step: float
     strength: FloatArray
 
@@ -100,7 +100,7 @@ def sun_disc(solar_zenith: float, solar_azimuth: float, sunlight: SunTable) -> S
 
 @njit
 def aim_disc(points: FloatArray, solar_zenith: float, solar_azimuth: float) -> None:
-    """Fill :attr:`SunDisc.points` of a Sun [(7, 4)]."""
+    """Fill ``SunDisc.points`` of a Sun [(7, 4)]."""
     sz, cz, sa, ca = math.sin(solar_zenith), math.cos(solar_zenith), math.sin(solar_azimuth), math.cos(solar_azimuth)
     for i in range(points.shape[0]):
         x, y = SOLAR_ANGULAR_RADIUS * _HEX_X[i], SOLAR_ANGULAR_RADIUS * _HEX_Y[i]
@@ -327,8 +327,8 @@ class GlintModel:
         """Mirrored Sun on rows of view zenith and columns of view azimuth [rad], each result (rows, columns); 0 in rows that are NaN.
 
         ``view_azimuth`` is (columns,), or (rows, columns) with azimuths of every row. ``turn`` (rows,) is the turn of the vertical [rad],
-        :func:`~seaglint.facet.sunlight.turn_at` the row's arc. ``terms`` (rows, j) are Chebyshev coefficients in the cosine of
-        incidence of what a mirroring point shows, as :class:`seaglint.optics.fresnel.ReflectanceSeries` orders them; the results are their
+        ``turn_at`` the row's arc. ``terms`` (rows, j) are Chebyshev coefficients in the cosine of
+        incidence of what a mirroring point shows, as ``seaglint.optics.fresnel.ReflectanceSeries`` orders them; the results are their
         sum times the chance, the chance, and the cosine of incidence. The bytes do not depend on the number of threads.
         """
         azimuth = np.atleast_2d(view_azimuth)
@@ -387,7 +387,7 @@ def glint(
         Legs that are shadowed, and how.
     turn : array_like
         Turn of the vertical between the sensor's foot, where the Sun's angles hold, and the place [rad], broadcast;
-        :func:`~seaglint.facet.sunlight.turn_at` computes it from an arc. With 0 the Sun's angles hold at the place itself.
+        ``turn_at`` computes it from an arc. With 0 the Sun's angles hold at the place itself.
 
     Returns
     -------

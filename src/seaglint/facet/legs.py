@@ -1,6 +1,6 @@
 """Shadowing of the two legs of light, to the viewer and from the Sun, and the law that describes it.
 
-Facets of synthesised waves are in :mod:`seaglint.facet.facet_sunlight`; each quadrature is the other's check.
+Facets of synthesised waves are in ``seaglint.facet.facet_sunlight``; each quadrature is the other's check.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ Law = Literal["smith", "nested"]
 
 @dataclass(frozen=True, eq=False)
 class FacetLaw:
-    """Law by which the slopes that facets carry hide each other, on waves that are geometry; see :meth:`Shadowing.facet_law`."""
+    """Law by which the slopes that facets carry hide each other, on waves that are geometry; see ``Shadowing.facet_law``."""
 
     bands: float  #: Bands of equal slope variance; 1 is Smith's law, below 1 the Sun's leg has less deviation.
     deviation: float  #: Rms slope of the whole sea along one direction [1].
     shelter: Shelter = NO_SHELTER  #: Shelter that geometry gives.
-    #: Gains of the lean of facets over azimuths from ``wind`` [1, (azimuths,)], :func:`~seaglint.sea.shadowing.facet_lean.lean_gains`;
+    #: Gains of the lean of facets over azimuths from ``wind`` [1, (azimuths,)], ``lean_gains``;
     #: empty where they do not lean.
     gains: FloatArray = field(default_factory=lambda: np.zeros(0))
     wind: float = 0.0  #: Azimuth that the gains count from [rad].
@@ -54,14 +54,14 @@ SMITHS: Final = FacetLaw(1.0, 0.0)  #: Smith's law.
 
 @dataclass(frozen=True)
 class Shadowing:
-    """Legs that waves shadow, and the shadowing law. The constants of this module and :meth:`of` name the usual combinations."""
+    """Legs that waves shadow, and the shadowing law. The constants of this module and ``of`` name the usual combinations."""
 
     law: Law = "nested"  #: Law of both legs.
     sun: bool = True  #: Whether the Sun's leg is shadowed too; the source article shadows the viewer's alone.
-    #: Bands of equal slope variance of the nested law; 1 is Smith's. None takes the number of :meth:`settled`, or of
-    #: :func:`seaglint.sea.shadowing.nested.bands_of` the slopes if no azimuth is known.
+    #: Bands of equal slope variance of the nested law; 1 is Smith's. None takes the number of ``settled``, or of
+    #: ``seaglint.sea.shadowing.nested.bands_of`` the slopes if no azimuth is known.
     bands: float | None = None
-    lean: bool = True  #: Whether facets lean under oblique wind with more than one band (:mod:`seaglint.sea.shadowing.facet_lean`).
+    lean: bool = True  #: Whether facets lean under oblique wind with more than one band (``seaglint.sea.shadowing.facet_lean``).
 
     @classmethod
     def of(cls, word: str, bands: float | None = None) -> Shadowing:
@@ -81,7 +81,7 @@ class Shadowing:
 
     @property
     def word(self) -> str:
-        """Name in scenario files, as in :meth:`of`."""
+        """Name in scenario files, as in ``of``."""
         return next(word for word, known in _WORDS.items() if (known.law, known.sun) == (self.law, self.sun))
 
     def settled(self, slopes: SlopeStatistics, azimuth: float) -> Shadowing:
@@ -113,7 +113,7 @@ class Shadowing:
         return FacetLaw(left, math.sqrt(0.5 * slopes.mss), shelter_of_facets(share), gains, slopes.wind_to_azimuth)
 
     def leaning(self, slopes: SlopeStatistics) -> tuple[FloatArray, FloatArray]:
-        """Table and gains of the lean of a sea's facets [1], :mod:`seaglint.sea.shadowing.facet_lean`; no table where they do not lean."""
+        """Table and gains of the lean of a sea's facets [1], ``seaglint.sea.shadowing.facet_lean``; no table where they do not lean."""
         bands = self.law_bands(slopes)
         return (lean_table(bands), lean_gains(slopes)) if self.lean and bands > 1.0 else (np.zeros((0, 0)), np.zeros(AZIMUTHS))
 
@@ -131,7 +131,7 @@ _WORDS: Final = {"nested": NESTED, "nested-viewer": NESTED_VIEWER, "both": BOTH,
 
 
 class Legs(NamedTuple):
-    """Shadowing under one Sun, as kernels read it; see :func:`legs_of`."""
+    """Shadowing under one Sun, as kernels read it; see ``legs_of``."""
 
     sun: bool
     hidden: float  #: Smith's Lambda of the Sun's leg.
@@ -143,7 +143,7 @@ class Legs(NamedTuple):
     series: float  #: Ratio of ``1 + hidden`` to the same sum for Gaussian slopes.
     ratio: FloatArray  #: Table of the nested law; empty for Smith's.
     coupling: FloatArray  #: Table of facets that are visible and lit; empty for independent legs.
-    lean: FloatArray  #: Table of the lean of facets across the legs (:mod:`seaglint.sea.shadowing.facet_lean`); empty for Smith's law.
+    lean: FloatArray  #: Table of the lean of facets across the legs (``seaglint.sea.shadowing.facet_lean``); empty for Smith's law.
     gains: FloatArray  #: Gains of the lean over azimuths from the wind's [(azimuths,)].
     wind: float  #: Azimuth the wind blows TO [rad].
 
@@ -195,7 +195,7 @@ def seen_and_lit_kernel(upright: float, view: tuple[float, float], sunward: floa
     the view. ``sunward``: slope towards the Sun in rms slopes along its azimuth. ``azimuth`` is the viewer's [rad].
 
     The share P is interpolated over the azimuth between both legs as Smith's law for two legs is: 1/P of legs on one side, where the
-    lower one decides, and of opposite legs, by the weight of :func:`~seaglint.sea.shadowing.smith.leg_passage_kernel`. One band is
+    lower one decides, and of opposite legs, by the weight of ``leg_passage_kernel``. One band is
     the share given there.
     """
     seen = nested_ratio_kernel(view[0], view[1], 1.0, legs.ratio)

@@ -6,7 +6,7 @@ across and ``d = c - lean a``, the density of a facet's slopes is a product of G
 the light that a slope mirrors does not depend on the tilt. So for every grazing angle and azimuth each slope is looked up once for all
 tilts.
 
-Averages over slope statistics are in :mod:`seaglint.facet.scattered`; each quadrature is the other's check.
+Averages over slope statistics are in ``seaglint.facet.scattered``; each quadrature is the other's check.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, Float
 def _fill_shares(
     elevation: np.ndarray, half: np.ndarray, zenith: np.ndarray, phase: np.ndarray, amplitude: np.ndarray, shares: np.ndarray
 ) -> None:
-    """Fill the shares ``[t, j, i, r]`` of :func:`hazy_sky`: phase functions times amplitudes at the azimuth of a scattering angle.
+    """Fill the shares ``[t, j, i, r]`` of ``hazy_sky``: phase functions times amplitudes at the azimuth of a scattering angle.
 
     ``half``: sines of half the scattering angles. Angles that an elevation does not have take the amplitude of the nearest azimuth.
     """
@@ -259,7 +259,7 @@ def visible(rough: Roughness, sight: tuple[float, float], a: float, tilt: float,
 
 @njit
 def visible_whole(rough: Roughness, sight: tuple[float, float], tilt: float, sigma: float) -> float:
-    """Integral of :func:`visible` over slopes."""
+    """Integral of ``visible`` over slopes."""
     high = min(tilt + REACH * sigma, sight[0] / max(sight[1], 1e-12))
     low = min(tilt, high) - REACH * sigma
     total, panels = 0.0, 12
@@ -273,7 +273,7 @@ def visible_whole(rough: Roughness, sight: tuple[float, float], tilt: float, sig
 
 @njit
 def fill_line(facets: HazyFacets, rough: Roughness, lines: Lines, u: int, x: int, out: np.ndarray) -> None:
-    """Fill ``out[a, c, q]`` with averages of :func:`add_haze` over the visible slopes of facets, for one grazing angle and azimuth."""
+    """Fill ``out[a, c, q]`` with averages of ``add_haze`` over the visible slopes of facets, for one grazing angle and azimuth."""
     sine = min(lines.sine[u], 1.0)
     cosine = math.sqrt(max(1.0 - sine * sine, 0.0))
     sight, tangent = (sine, cosine), sine / max(cosine, 1e-12)

@@ -20,7 +20,7 @@ from seaglint.optics.band import Band
 #: spectrum, are then within 5e-5 of all terms, for seven terms in 3.5-5 um.
 RELATIVE_ERROR = 2e-3
 
-PRODUCT_ERROR = 1e-4  #: RMS error relative to the products, over facets and ranges, that :func:`fewest_terms` leaves.
+PRODUCT_ERROR = 1e-4  #: RMS error relative to the products, over facets and ranges, that ``fewest_terms`` leaves.
 
 TOGETHER = 4  #: Number of terms that kernels process at once; the thermal tables have a multiple of it.
 

@@ -21,9 +21,9 @@ class Roughness(NamedTuple):
     """Unresolved slopes of a facet: covariance towards east and north (zero means mirror facets), and shadowing tables.
 
     Further fields are the deviation along the Sun's azimuth, the shelter that geometry gives, and the tables of their nested shadowing: of
-    either leg (:func:`seaglint.sea.shadowing.nested.ratio_table`) and of both together
-    (:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`); empty for Smith's. With them come the table of the lean of facets
-    (:mod:`seaglint.sea.shadowing.facet_lean`), empty where they do not lean, its gains over azimuths from the wind's, the gain of the Sun's
+    either leg (``seaglint.sea.shadowing.nested.ratio_table``) and of both together
+    (``seaglint.sea.shadowing.seen_and_lit.coupling_table``); empty for Smith's. With them come the table of the lean of facets
+    (``seaglint.sea.shadowing.facet_lean``), empty where they do not lean, its gains over azimuths from the wind's, the gain of the Sun's
     leg, and that azimuth [rad].
     """
 
@@ -44,7 +44,7 @@ class Sight(NamedTuple):
     """Line of sight, described from the sea.
 
     The fields are the horizontal unit vector to the sensor, azimuth node of the tables, weight of the Sun's leg in the shadows of both
-    (:func:`~seaglint.sea.shadowing.smith.leg_passage_kernel`), the deviation of unresolved slopes along it, and the gain of their lean.
+    (``leg_passage_kernel``), the deviation of unresolved slopes along it, and the gain of their lean.
     """
 
     east: float
@@ -63,7 +63,7 @@ def along(roughness: Roughness, east: float, north: float) -> float:
 
 @kernel
 def line_of_sight(sun: Sunlight, rough: Roughness, azimuth: float) -> Sight:
-    """Return the :class:`Sight` of a line that leaves the sensor at an azimuth."""
+    """Return the ``Sight`` of a line that leaves the sensor at an azimuth."""
     east, north = -math.sin(azimuth), -math.cos(azimuth)
     deviation = math.sqrt(max(along(rough, east, north), 0.0))
     gain = gain_at(rough.gains, azimuth - rough.wind) if rough.gains.shape[0] > 0 else 0.0
@@ -75,7 +75,7 @@ def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, law: FacetLaw, *
 
     Between whole numbers of bands the laws are interpolated, so that facets change evenly with their share of the slopes. Less than
     one band is Smith's law with the deviation along the Sun's leg reduced in proportion
-    (:func:`seaglint.sea.shadowing.nested.bands_of_facets`).
+    (``seaglint.sea.shadowing.nested.bands_of_facets``).
     """
     whole = max(law.bands, 1.0)
     nested, coupling = between_bands(ratio_table, whole), coupling_table(whole, law.deviation) if shade_sun else np.zeros((0, 0, 0))

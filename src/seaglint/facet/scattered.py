@@ -10,7 +10,7 @@ The air about the Sun's direction is bright (the aureole, some ten degrees wide)
 over the slopes whose mirrored ray r comes from the sky; p, R and A as in :mod:`seaglint.facet.emissivity`. The disc itself is
 excluded: its mirror image is the glint.
 
-Facets of synthesised waves are in :mod:`seaglint.facet.mirrored_haze`; each quadrature is the other's check.
+Facets of synthesised waves are in ``seaglint.facet.mirrored_haze``; each quadrature is the other's check.
 """
 
 from __future__ import annotations
@@ -251,7 +251,7 @@ class SeaRows:
 
 @dataclass(frozen=True, eq=False)
 class ScatteredSun:
-    """Scattered sunlight over one view's sea. Make it with :meth:`prepare`."""
+    """Scattered sunlight over one view's sea. Make it with ``prepare``."""
 
     view: SeaView  #: Sensor, sea, air and Sun.
     _reflectance: ReflectanceSeries
@@ -337,7 +337,7 @@ def _facets_of(view: SeaView) -> _Facets:
 class ScatteredMap:
     """Scattered sunlight of one view, tabulated along elevation and azimuth, so that maps of any size are quick.
 
-    Make it with :meth:`prepare`.
+    Make it with ``prepare``.
 
     Paths and the mirrored sky are splined over the elevation of the viewer above the horizontal at the sea, in
     ``arsinh(elevation / scale)``, and over the azimuth from the Sun.

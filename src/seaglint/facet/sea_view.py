@@ -31,7 +31,7 @@ Background = Literal["facets", "blackbody"]
 
 @dataclass(frozen=True, eq=False)
 class BandSum:
-    """Quadrature of a band on an atmosphere's spectral samples. Make it with :meth:`of`."""
+    """Quadrature of a band on an atmosphere's spectral samples. Make it with ``of``."""
 
     weights: FloatArray  #: Response times step [cm-1, (n,)].
     grid: slice  #: The samples used, of all of the atmosphere's.
@@ -67,14 +67,14 @@ class SeaView:
     sea_temperature: float  #: Temperature of the sea's skin [K].
     sensor_height: float  #: Height of the sensor [m].
     #: Zenith angle of the Sun's centre at the sea at the sensor's foot, apparent [rad]; below the horizon is valid. Elsewhere the direction
-    #: is relative to the vertical there (:mod:`seaglint.facet.sunlight`).
+    #: is relative to the vertical there (``seaglint.facet.sunlight``).
     solar_zenith: float
     solar_azimuth: float = 0.0  #: Azimuth of the Sun's centre there, apparent [rad].
     sun_distance_factor: float = 1.0  #: ``1/d^2`` with d the distance of the Sun in au [1].
     #: Legs shadowed by waves, for the Sun's light, and how. The nested law also weighs the facets that emit and mirror the sky; waves
     #: never hide the sky of these facets, apart from the facets that mirror the sea.
     shadowing: Shadowing = NESTED
-    background: Background = "facets"  #: Sea without the Sun, facets or a blackbody (:data:`Background`).
+    background: Background = "facets"  #: Sea without the Sun, facets or a blackbody (``Background``).
     scattering: bool = True  #: Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
 
     def __post_init__(self) -> None:
@@ -144,7 +144,7 @@ class SeaView:
 
     @property
     def _sunlit_zenith(self) -> float:
-        """Zenith angle of the Sun to which :attr:`irradiance` belongs [rad]."""
+        """Zenith angle of the Sun to which ``irradiance`` belongs [rad]."""
         share, zenith = visible_sun(self.solar_zenith)
         if share == 0.0 and zenith - self.farthest_turn < 0.5 * np.pi + SOLAR_ANGULAR_RADIUS:
             return 0.5 * np.pi - SOLAR_ANGULAR_RADIUS
@@ -152,7 +152,7 @@ class SeaView:
 
     @cached_property
     def sun_table(self) -> SunTable:
-        """Ratio of sunlight in the band at places in view to :attr:`irradiance`, by the sine of the Sun's elevation there.
+        """Ratio of sunlight in the band at places in view to ``irradiance``, by the sine of the Sun's elevation there.
 
         If the atmosphere holds no sunlight for a zenith angle, the nearest zenith angle that it covers is used.
         """

@@ -2,12 +2,12 @@
 
 All requests to the air for its sky are made here.
 
-- :func:`sky_above`: thermal and scattered sky above the sensor, over azimuth and elevation, for images.
-- :func:`thermal_sky`: its thermal part alone, for mean maps.
-- :func:`mirrored_sky`: thermal sky above the sea, which facets and bodies mirror; their tables depend on the zenith angle alone.
-- :func:`sunlit_path`: scattered sunlight of paths in band, against the azimuth from the Sun.
+- ``sky_above``: thermal and scattered sky above the sensor, over azimuth and elevation, for images.
+- ``thermal_sky``: its thermal part alone, for mean maps.
+- ``mirrored_sky``: thermal sky above the sea, which facets and bodies mirror; their tables depend on the zenith angle alone.
+- ``sunlit_path``: scattered sunlight of paths in band, against the azimuth from the Sun.
 
-The Sun's disc in the sky is in :mod:`seaglint.imaging.sun_in_sky`.
+The Sun's disc in the sky is in ``seaglint.imaging.sun_in_sky``.
 """
 
 from __future__ import annotations
@@ -200,7 +200,7 @@ def sky_between(sky: SkyAbove, azimuth: float, row: float) -> float:
 
 
 def thermal_at(thermal: FloatArray, azimuth: FloatArray, row: NDArray[np.int64]) -> FloatArray:
-    """Values of :func:`thermal_sky` at azimuths [rad] and rows, which broadcast [W m-2 sr-1]."""
+    """Values of ``thermal_sky`` at azimuths [rad] and rows, which broadcast [W m-2 sr-1]."""
     count = thermal.shape[0]
     at = azimuth / (2.0 * np.pi) * count % count
     first = np.minimum(at.astype(np.int64), count - 1)

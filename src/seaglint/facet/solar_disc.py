@@ -17,7 +17,7 @@ from seaglint.base.jit import kernel, njit
 from seaglint.facet.roughness import Roughness, Sight
 from seaglint.facet.sunlight import Sunlight
 
-DISC_ROWS = (17, 6)  #: Number of rows of a :class:`DiscLine`, for an error of the glint below 1.5e-3, and number of their fields.
+DISC_ROWS = (17, 6)  #: Number of rows of a ``DiscLine``, for an error of the glint below 1.5e-3, and number of their fields.
 
 #: Ratio of the Sun's image to the slope variance above which its sharp edge counts: below it the glint's peak moves by less than 0.4 %.
 SHARP_DISC = 0.1
@@ -39,7 +39,7 @@ class Disc(NamedTuple):
 
 
 class DiscLine(NamedTuple):
-    """Table of :class:`Disc` along a line of sight at even steps of ``1/(sin(grazing) + sin(Sun's elevation))``.
+    """Table of ``Disc`` along a line of sight at even steps of ``1/(sin(grazing) + sin(Sun's elevation))``.
 
     ``rows[i]`` are its fields.
 
@@ -59,7 +59,7 @@ def sharp(rough: Roughness, disc: tuple[float, float, float]) -> bool:
 
 @kernel
 def disc_of(sun: Sunlight, rough: Roughness, mz: float, se: float, sn: float) -> tuple[Disc, tuple[float, float, float]]:
-    """Disc about a mirroring slope, and its own covariance of slopes (ee, en, nn); ``mz`` as in :func:`disc_in_slopes`."""
+    """Disc about a mirroring slope, and its own covariance of slopes (ee, en, nn); ``mz`` as in ``disc_in_slopes``."""
     disc_ee, disc_en, disc_nn, shift_e, shift_n = disc_in_slopes(sun, mz, se, sn)
     # the weight 1/cos^4(beta), growing as exp(4 s/(1+s^2) . ds) across the disc's image, moves its centre
     lean = 4.0 / (1.0 + se * se + sn * sn)
@@ -108,7 +108,7 @@ def no_disc_line() -> DiscLine:
 
 @njit
 def disc_line(sun: Sunlight, rough: Roughness, sight: Sight, sines: tuple[float, float], rows: np.ndarray, turn: float = 0.0) -> DiscLine:
-    """Fill ``rows`` with the :class:`DiscLine` of a line of sight, over grazing angles with the sines ``sines``.
+    """Fill ``rows`` with the ``DiscLine`` of a line of sight, over grazing angles with the sines ``sines``.
 
     The Sun's direction is taken at the sensor's foot. Places where the vertical is turned by up to ``turn`` [rad] look it up at their own
     ``1/(sin(grazing) + sin(Sun's elevation))``: a covariance so taken is off by about ``turn``, and the glint by that times the disc's

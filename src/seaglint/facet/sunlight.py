@@ -75,7 +75,7 @@ def turn_kernel(psi: float) -> tuple[float, float]:
 
 @kernel
 def turned_kernel(east: float, north: float, up: float, away: tuple[float, float], turn: tuple[float, float]) -> tuple[float, float, float]:
-    """Direction in the frame of the place; ``away`` is the horizontal unit vector from the sensor, ``turn`` of :func:`turn_kernel`."""
+    """Direction in the frame of the place; ``away`` is the horizontal unit vector from the sensor, ``turn`` of ``turn_kernel``."""
     along = east * away[0] + north * away[1]
     change = along * turn[0] - up * turn[1] - along
     return east + change * away[0], north + change * away[1], along * turn[1] + up * turn[0]

@@ -66,7 +66,7 @@ class SeaLeaving:
 
 @dataclass(frozen=True, eq=False)
 class SeaSurface:
-    """Water of one temperature under one sky, on part of an atmosphere's spectral grid. Make it with :meth:`create`."""
+    """Water of one temperature under one sky, on part of an atmosphere's spectral grid. Make it with ``create``."""
 
     reflectance: ReflectanceSeries
     blackbody: FloatArray
@@ -128,7 +128,7 @@ class SeaSurface:
         """Band radiance behind the air on rows of view zenith and columns of view azimuth [W m-2 sr-1, (rows, columns)].
 
         ``seen`` (rows, n) is transmittance times quadrature weight [cm-1]. Every azimuth takes one sum over facets: for many azimuths take
-        :func:`wind_azimuths` and multiply by :func:`azimuth_weights`.
+        ``wind_azimuths`` and multiply by ``azimuth_weights``.
         """
         parts = [self.leaving(view_zenith, float(a), slopes, nested_bands) for a in view_azimuth]
         emission, sky = (np.stack([np.einsum("rn,rn->r", seen, getattr(p, name)) for p in parts], axis=-1) for name in ("emission", "sky"))
@@ -144,7 +144,7 @@ def wind_azimuths(slopes: SlopeStatistics) -> FloatArray:
 
 
 def azimuth_weights(slopes: SlopeStatistics, view_azimuth: FloatArray) -> FloatArray:
-    """Weights [1, (k, columns)] of the values at :func:`wind_azimuths` for view azimuths [rad, (columns,)].
+    """Weights [1, (k, columns)] of the values at ``wind_azimuths`` for view azimuths [rad, (columns,)].
 
     Interpolation by cosines of the angle to the wind: even multiples for Gaussian slopes, which look the same from up and down the wind.
     """

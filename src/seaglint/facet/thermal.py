@@ -1,7 +1,7 @@
 """Emission and mirrored sky of a facet: averages over its visible slopes, tabulated once per scene and level of detail.
 
 Rays reflected downwards meet the sea again, taken as a blackbody at its temperature; that light counts as emission. All sums are stored
-per term of :class:`~seaglint.facet.path_basis.PathBasis`, so that products with the path are integrated per wavenumber.
+per term of ``PathBasis``, so that products with the path are integrated per wavenumber.
 
 Averages over slope statistics are in :mod:`seaglint.facet.emissivity`; each quadrature is the other's check.
 """
@@ -104,7 +104,7 @@ def azimuth_of(axes: np.ndarray, coordinate: float) -> float:
 
 @kernel
 def azimuth_node(axes: np.ndarray, size: int, azimuth: float) -> tuple[int, float]:
-    """Lower node and fraction (:func:`node`) of an azimuth [rad], at any turn, on a table's second axis: plain, or dense at the Sun's."""
+    """Lower node and fraction (``node``) of an azimuth [rad], at any turn, on a table's second axis: plain, or dense at the Sun's."""
     scale = axes[4, 1]
     x, turn = azimuth, 2.0 * math.pi
     if scale > 0.0:
@@ -120,7 +120,7 @@ def facet_thermal(
 ) -> float:
     """Emission and reflected sky of a facet, attenuated [W m-2 sr-1], at a sine of the grazing angle.
 
-    ``thermal`` is :func:`thermal_along` the line of sight, ``axes`` the axes of its table; ``path`` the path's coefficients, and ``at`` the
+    ``thermal`` is ``thermal_along`` the line of sight, ``axes`` the axes of its table; ``path`` the path's coefficients, and ``at`` the
     row that counts and the fraction of the step to the next. A table without terms gives 0.
     """
     i_path, f_path = at
@@ -229,7 +229,7 @@ def mean_facet(
     slope: tuple[float, float],
     out: np.ndarray,
 ) -> None:
-    """Average :func:`add_mirror` over the visible slopes of a facet into ``out[k]``; the weights are normalised to 1.
+    """Average ``add_mirror`` over the visible slopes of a facet into ``out[k]``; the weights are normalised to 1.
 
     ``sight`` is the horizontal unit vector to the viewer, ``slope`` the facet's towards the viewer and across.
     """
@@ -278,7 +278,7 @@ def mean_facet(
 def fill_thermal(
     sources: ThermalSources, quadrature: SlopeQuadrature, rough: Roughness, axes: np.ndarray, out: np.ndarray, part: tuple[int, int]
 ) -> None:
-    """Tabulate :func:`mean_facet` over grazing angle, view azimuth and resolved slope, for a part of the rows of these three."""
+    """Tabulate ``mean_facet`` over grazing angle, view azimuth and resolved slope, for a part of the rows of these three."""
     _, nx, na, nc, _ = out.shape
     for row in range(part[0], part[1]):
         u, x, a = row // (nx * na), (row // na) % nx, row % na
@@ -313,7 +313,7 @@ def thermal_axes(
     Steps follow the roughness: the average changes over about one deviation of the facet's slopes. Slopes span 5.5 deviations of the
     resolved waves. If the air scatters sunlight, with the ``sun`` (elevation, azimuth) [rad], the mirrored aureole requires closer
     steps of azimuth near the Sun and of the slope across the view, the more the farther a slope turns the light. The last row is then
-    the Sun's azimuth and the scale of :func:`crowded`.
+    the Sun's azimuth and the scale of ``crowded``.
     """
     sigma = max(float(np.sqrt(0.5 * roughness.mss)), 0.02)
     reach = 5.5 * float(np.sqrt(max(resolved)))
@@ -366,7 +366,7 @@ def thermal_sources(basis: PathBasis, view: SeaView) -> ThermalSources:
 def thermal_table(
     sources: ThermalSources, rough: Roughness, axes: FloatArray, shape: tuple[int, int, int, int], terms: int
 ) -> NDArray[np.float32]:
-    """Band terms of the light of facets without sunlight [W m-2 sr-1]: ``shape`` of :func:`thermal_axes`, and ``terms``."""
+    """Band terms of the light of facets without sunlight [W m-2 sr-1]: ``shape`` of ``thermal_axes``, and ``terms``."""
     nodes, weights = np.polynomial.legendre.leggauss(ALONG_NODES)
     cross, cross_weights = hermegauss(CROSS_NODES)
     quadrature = SlopeQuadrature(nodes, weights, cross, cross_weights / cross_weights.sum())

@@ -220,7 +220,7 @@ def assembled(
 
 
 def csv_lines(dataset: xr.Dataset, height: str) -> Iterator[str]:
-    """Yield lines of a CSV file in the columns of :data:`seaglint.formats.air_file.COLUMNS` and :data:`COLUMNS`."""
+    """Yield lines of a CSV file in the columns of ``seaglint.formats.air_file.COLUMNS`` and ``COLUMNS``."""
     for name, (kind, dimension) in VARIABLES.items():
         if name not in dataset:
             continue

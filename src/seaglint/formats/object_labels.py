@@ -41,7 +41,7 @@ class Label:
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """Labels of a finished sequence, with masks read frame by frame. Those of a store are opened by :meth:`of`."""
+    """Labels of a finished sequence, with masks read frame by frame. Those of a store are opened by ``of``."""
 
     path: Path
     names: tuple[str, ...]

@@ -1,6 +1,6 @@
 """Scene of a camera in any attitude, fixed or moving: the sweep's image resampled, and rays walked where the sweep does not serve.
 
-A survey of all attitudes of the track (:class:`AngleSurvey`) decides which directions are prepared. Each attitude has a plan: the pixels
+A survey of all attitudes of the track (``AngleSurvey``) decides which directions are prepared. Each attitude has a plan: the pixels
 that are resampled from the sweep and the pixels that are walked.
 """
 
@@ -156,12 +156,12 @@ class TurnedScene:
         Parameters
         ----------
         view_at : callable
-            ``view_at(height)`` is the :class:`~seaglint.facet.sea_view.SeaView` of a sensor height [m].
+            ``view_at(height)`` is the ``SeaView`` of a sensor height [m].
         imager, track, waves, accuracy, layers, sparkles
             See the attributes.
         finer : int
             As of :meth:`seaglint.imaging.upright_scene.SweptScene.prepare`. The pixels of a finer picture consist of
-            :data:`CELLS_OF_FINER` cells of the sweep, if the accuracy settings have more.
+            ``CELLS_OF_FINER`` cells of the sweep, if the accuracy settings have more.
 
         Raises
         ------

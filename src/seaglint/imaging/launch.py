@@ -2,7 +2,7 @@
 
 Scenes prepare the tables that kernels read and call these functions for every frame; no other module runs them, so another device needs
 only another module in place of this one. The tables themselves are filled where they are defined, once for each sensor height. Fourier
-transforms of the waves are in :mod:`seaglint.sea.wave_field`, launches for bodies in :mod:`seaglint.objects.drawing.launch_bodies`.
+transforms of the waves are in :mod:`seaglint.sea.wave_field`, launches for bodies in ``seaglint.objects.drawing.launch_bodies``.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ def pixels_of_rays(
 ) -> FloatArray:
     """Return mean channels of some pixels [units of the layers, (pixels, channels)], from rays.
 
-    Arguments are those of :func:`~seaglint.imaging.rays.walk_pixels`.
+    Arguments are those of ``walk_pixels``.
     """
     channels = np.zeros((pixels.size, CHANNELS))
     in_threads(lambda part: walk_pixels(surface, bounds, eye, tables, corner, pixels, samples, channels, part), pixels.size)
@@ -154,7 +154,7 @@ def resample(weights: Resampling, images: NDArray[np.float32], out: NDArray[np.f
 def resample_once(
     quadrilaterals: Quads, pixels: NDArray[np.int64], cells: SweepGrid, images: NDArray[np.float32], out: NDArray[np.float32]
 ) -> None:
-    """Resample as :func:`resample` with the weights of :func:`weights_of`, which are not stored."""
+    """Resample as ``resample`` with the weights of ``weights_of``, which are not stored."""
     most, flat = int(quadrilaterals.bound.max()), images.reshape(images.shape[0], -1)
     column, sine = quadrilaterals.column, quadrilaterals.sine
     in_threads(lambda part: resample_at_once(column, sine, cells, most, flat, pixels, out, part), pixels.size)

@@ -61,7 +61,7 @@ LIT: Final = frozenset({"glint_radiance", "glint_share", "object_id", SPARKLE}) 
 
 
 class Layers(Mapping[str, NDArray[np.float32]]):
-    """Layers of one frame: images (rows, columns) under the names of :data:`seaglint.base.schema.VARIABLES`.
+    """Layers of one frame: images (rows, columns) under the names of ``seaglint.base.schema.VARIABLES``.
 
     Every frame has the layers ``radiance`` and ``glint_radiance``. Others on request are:
 
@@ -95,7 +95,7 @@ class Layers(Mapping[str, NDArray[np.float32]]):
 
 
 def require_layers(names: Collection[str]) -> tuple[str, ...]:
-    """Return the names of requested layers, in the order of :data:`seaglint.base.schema.LAYERS`.
+    """Return the names of requested layers, in the order of ``seaglint.base.schema.LAYERS``.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def require_layers(names: Collection[str]) -> tuple[str, ...]:
 
 
 def channels_for(names: Collection[str]) -> int:
-    """Return the number of channels that the kernels must fill for some layers: :data:`FEWEST` for the mirrored Sun alone."""
+    """Return the number of channels that the kernels must fill for some layers: ``FEWEST`` for the mirrored Sun alone."""
     return FEWEST if set(names) <= LIT else CHANNELS
 
 
@@ -140,7 +140,7 @@ def upright(columns: np.ndarray, planes: np.ndarray, out: np.ndarray, part: tupl
 
 
 def mean_over_sea(weighted: NDArray[Any], coverage: NDArray[Any]) -> NDArray[Any]:
-    """Return the mean over the visible sea in a pixel of :data:`DISTANCE` [m] or :data:`SLOPE` [1], from the plane and :data:`COVERAGE`.
+    """Return the mean over the visible sea in a pixel of ``DISTANCE`` [m] or ``SLOPE`` [1], from the plane and ``COVERAGE``.
 
     NaN without sea.
     """
@@ -154,7 +154,7 @@ def share_of_glint(glint: NDArray[Any], radiance: NDArray[Any]) -> NDArray[Any]:
 
 
 def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[str]) -> Layers:
-    """Return the layers of a frame from its planes (planes, rows, columns), with the ``kinds`` of :func:`planes_for`."""
+    """Return the layers of a frame from its planes (planes, rows, columns), with the ``kinds`` of ``planes_for``."""
     by_kind = {int(kind): plane for kind, plane in zip(kinds, planes, strict=True)}
     images = {"radiance": by_kind[TOTAL], "glint_radiance": by_kind[SUN]}
     for name in names:

@@ -276,7 +276,7 @@ def ray_tables(
 
 
 def rays_per_side(corner: FloatArray, pixels: NDArray[np.int64], height: float, shortest_wave: float) -> NDArray[np.int64]:
-    """Return the number of rays [1] along each side of a pixel: four on the shortest wave in its footprint, within :data:`SAMPLES`."""
+    """Return the number of rays [1] along each side of a pixel: four on the shortest wave in its footprint, within ``SAMPLES``."""
     if not np.isfinite(shortest_wave):
         return np.full(pixels.size, CALM_SAMPLES, np.int64)
     row, column = np.divmod(pixels, corner.shape[1] - 1)

@@ -4,7 +4,7 @@ The standard picture has straight lines of sight over an Earth of effective radi
 elevation meets the sea at an arc, goes to the sky, or passes an object at some height; the standard picture shows the same place of the
 sea, sky or object at another elevation. Several elevations may show one place (a mirage), and some places are not visible.
 
-:class:`Bending` follows the rays, :class:`RowShift` mixes the rows of a finer standard picture, :class:`RefractedScene` draws.
+``Bending`` follows the rays, ``RowShift`` mixes the rows of a finer standard picture, ``RefractedScene`` draws.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from seaglint.sea.wave_field import WaveField
 
 RAYS_PER_ROW: Final = 8  #: Number of rays followed through each row of pixels.
 
-#: Number of rays from which on fewer are followed through a row, for their memory (10 kB each), down to :data:`FEWEST_RAYS`.
+#: Number of rays from which on fewer are followed through a row, for their memory (10 kB each), down to ``FEWEST_RAYS``.
 MOST_RAYS: Final = 6000
 
 FEWEST_RAYS: Final = 2
@@ -77,7 +77,7 @@ class Bending:
     def straight(self, rays: RayPaths) -> FloatArray:
         """Return the standard elevations of the sea or sky that rays see [rad, (rays,)].
 
-        Sea beyond the standard horizon is represented by the sea at this horizon, behind more air (:attr:`RowShift.beyond`). Sky below the
+        Sea beyond the standard horizon is represented by the sea at this horizon, behind more air (``RowShift.beyond``). Sky below the
         horizontal is placed by its share of the dip.
         """
         dip = horizon_depression(self.height)
@@ -124,7 +124,7 @@ class Bending:
 
 @dataclass(frozen=True, eq=False)
 class RowShift:
-    """Rows of a camera as mixtures of rows of a finer, standard picture. Make it with :meth:`of`."""
+    """Rows of a camera as mixtures of rows of a finer, standard picture. Make it with ``of``."""
 
     camera: Camera  #: Grid of the picture.
     standard: Camera  #: Grid of the standard picture.
@@ -165,7 +165,7 @@ class RowShift:
         return self._sea[0]
 
     def behind(self, share: FloatArray) -> csr_array:
-        """Return the shares of :attr:`sea` times the transmitted ``share`` of every piece between two rays [1, (rows, standard rows)]."""
+        """Return the shares of ``sea`` times the transmitted ``share`` of every piece between two rays [1, (rows, standard rows)]."""
         return self._mixed(self.bending.straight(self.rays), self.standard, clamped=True, factor=share)[0]
 
     @cached_property

@@ -121,7 +121,7 @@ class Levels:
         """Return the levels that begin before the arc ``last`` [m]; of those that end before ``first``, the finest alone.
 
         ``finer``: columns that are drawn for each column of the camera; lines split in these. ``share``: largest share of a level's slope
-        variance that an average removes (:func:`averaged_share`).
+        variance that an average removes (``averaged_share``).
 
         Raises
         ------
@@ -316,7 +316,7 @@ class Instant(NamedTuple):
     """Sea of an instant under a sensor."""
 
     levels: Levels  #: Levels of detail.
-    lattices: tuple[NDArray[np.float32], ...]  #: Heights [m] and slopes [1] of every part (:meth:`Levels.lattices`).
+    lattices: tuple[NDArray[np.float32], ...]  #: Heights [m] and slopes [1] of every part (``Levels.lattices``).
     surface: Surface  #: The lattices in the form that kernels read.
 
 

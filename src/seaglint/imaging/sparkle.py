@@ -12,9 +12,9 @@ and the light of a pixel is the average over its visible cells. The relative var
 - between these the variance of a box at a random place over square cells.
 
 A visible cell is ``l`` across the line of sight and ``c l`` along it on the ground, ``c = cos(omega)/(cos(beta) cos(theta_v))`` with the
-mean sea's zenith angle: a tilted mirror hides the water behind it. Pixels of up to :data:`MOST_CELLS` cells in a direction are averages
+mean sea's zenith angle: a tilted mirror hides the water behind it. Pixels of up to ``MOST_CELLS`` cells in a direction are averages
 over these cells, which they share with their neighbours. In larger pixels one cell of the size of the pixel, with the shape of their sum,
-represents all. Cells lie on lattices fixed to the water's mean position, turned to the line of sight in :data:`SECTORS` steps. In time a
+represents all. Cells lie on lattices fixed to the water's mean position, turned to the line of sight in ``SECTORS`` steps. In time a
 cell has a constant value between the events of a Poisson process, so that its correlation is ``exp(-|t|/T_c)`` and any instant can be
 evaluated alone. No state is stored: a factor is a function of (seed, place, time).
 """
@@ -158,7 +158,7 @@ class Sparkles:
         return replace(self, seed=seed)
 
     def of(self, view: SeaView, camera: Camera) -> tuple[Sparkle, dict[str, Any]]:
-        """Return the parameters for the kernels, :data:`NO_SPARKLE` for images without sparkles, and a note for the provenance."""
+        """Return the parameters for the kernels, ``NO_SPARKLE`` for images without sparkles, and a note for the provenance."""
         if self.use == "off":
             return NO_SPARKLE, {"subpixel_glint": "off: the mean over the facets of a pixel"}
         variance = relative_variance(view, camera, self.cell)
@@ -208,7 +208,7 @@ class Heading(NamedTuple):
 
 @kernel
 def heading(azimuth: float) -> Heading:
-    """Return the :class:`Heading` of a line that leaves the sensor at an azimuth [rad]."""
+    """Return the ``Heading`` of a line that leaves the sensor at an azimuth [rad]."""
     turn = 2.0 * math.pi / SECTORS
     sector = math.floor(azimuth / turn + 0.5) % SECTORS
     return Heading(sector, math.sin(sector * turn), math.cos(sector * turn))
@@ -274,7 +274,7 @@ def sparkle_factor(
     place : tuple of float
         Middle of the footprint, east and north [m]: the water's mean position.
     along_sight : Heading
-        Direction of the line of sight, from :func:`heading`.
+        Direction of the line of sight, from ``heading``.
     footprint : tuple of float
         Its length along the line of sight and its width [m], on the mean sea.
     stretch : float
@@ -338,7 +338,7 @@ def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence:
 
     ``chance`` is P of the facet, ``up`` the sum of the vertical components of the directions to the sensor and to the Sun,
     ``2 cos(omega) cos(beta)``, and ``across`` the pixel's area across the line of sight [m2]. Weighted by the share of the pixel that
-    each piece fills and divided by the square of its mean sunlight, it is the ``variance`` of :func:`sparkle_factor`.
+    each piece fills and divided by the square of its mean sunlight, it is the ``variance`` of ``sparkle_factor``.
     """
     if chance <= 0.0 or chance >= 1.0:
         return 0.0
@@ -350,9 +350,9 @@ def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence:
 def facet_spread(
     sparkle: Sparkle, sun: Sunlight, sight: Sight, grazing: tuple[float, float], solar: float, factor: float, across: float
 ) -> float:
-    """Return the variance :func:`piece_variance` of a facet [W2 m-4 sr-2]; 0 without sparkles.
+    """Return the variance ``piece_variance`` of a facet [W2 m-4 sr-2]; 0 without sparkles.
 
-    ``factor`` [1/sr] is :func:`~seaglint.facet.facet_sunlight.sun_factor` times the share of the Sun above the waves; multiplied by the
+    ``factor`` [1/sr] is ``sun_factor`` times the share of the Sun above the waves; multiplied by the
     solid angle of the Sun it is P. ``grazing``: sine and cosine of the grazing angle.
     """
     if sparkle.cell <= 0.0 or factor <= 0.0:
@@ -370,7 +370,7 @@ def sparkle_column(
     """Apply sparkles to the mirrored Sun of a column and its intervals, ``images`` (1 or more, channels, rows).
 
     The factor of a row is computed from the whole image ``images[0]`` and applied to all images. ``origin`` is the sensor's foot in the
-    sea's coordinates, east and north [m]. The variance :data:`SPREAD` is replaced by the light that sparkles add to pixels of many cells.
+    sea's coordinates, east and north [m]. The variance ``SPREAD`` is replaced by the light that sparkles add to pixels of many cells.
     """
     if sparkle.cell <= 0.0:
         return
@@ -409,6 +409,6 @@ def sparkle_columns(
     images: np.ndarray,
     part: tuple[int, int],
 ) -> None:
-    """Apply :func:`sparkle_column` to a part of the columns of ``images`` (columns, intervals, channels, rows)."""
+    """Apply ``sparkle_column`` to a part of the columns of ``images`` (columns, intervals, channels, rows)."""
     for column in range(part[0], part[1]):
         sparkle_column(sparkle, rows, sun, azimuths[column], origin, time, images[column])

@@ -47,7 +47,7 @@ def sun_in_sky(view: SeaView, top: float = 0.5 * math.pi) -> SunInSky:
     """Return the solar disc in view of a sensor, with the radiance ``E / (pi eps^2)`` for the sunlight E at the sensor's height.
 
     Its elevation is the apparent elevation at the sensor's height, the centre of the aureole. For air with sunlight at the sea only, a disc
-    below the horizon at the sensor's foot has the light of a disc on the horizon. :data:`NO_SUN` for a disc below the sensor's horizon, or
+    below the horizon at the sensor's foot has the light of a disc on the horizon. ``NO_SUN`` for a disc below the sensor's horizon, or
     above the elevation ``top`` of a picture's upper edge [rad]: its light at the sensor's height would be computed for nothing.
     """
     table, elevation = view.scattered.sky, 0.5 * math.pi - view.solar_zenith
@@ -100,7 +100,7 @@ def add_disc(sun: SunInSky, top: float, per_radian: float, column: tuple[float, 
     """Add the disc to the rows ``image`` (rows,) of a column, ``column = (azimuth, width)`` [rad].
 
     ``skyline``: tangents of the elevations that the sea reaches, at even steps across the column; ``top`` and ``per_radian`` as in
-    :class:`~seaglint.imaging.sweep.sweep.Rows`.
+    ``Rows``.
     """
     azimuth, width = column
     limit = reach(sun)

@@ -1,6 +1,6 @@
 """Scene of an upright, fixed camera with equal steps of azimuth and elevation: one sweep over the sea yields an image.
 
-:meth:`SweptScene.prepare` fills tables of the samples along a line, of the path, the facets, the sky and the Sun (:func:`sky_rows`). An
+:meth:`SweptScene.prepare` fills tables of the samples along a line, of the path, the facets, the sky and the Sun (``sky_rows``). An
 image then needs only the sea of its instant.
 """
 
@@ -59,7 +59,7 @@ CELLS_PER_ROW = 3.0  #: Number of cells of elevation in a row within which neigh
 #: Share of the sea in shadow below which one ray to the Sun serves merged neighbours; with more shadow none are merged.
 RARE_SHADOW = 0.005
 
-#: Tangent of depression, in rms slopes, beyond which :data:`RARE_SHADOW` suffices: glint changes by less than 0.2 %; at the horizon by 2 %.
+#: Tangent of depression, in rms slopes, beyond which ``RARE_SHADOW`` suffices: glint changes by less than 0.2 %; at the horizon by 2 %.
 SHADOW_GRAZING = 0.25
 
 SAME = 1e-9  #: Tolerance within which angles [rad], steps and heights (relative) are equal.
@@ -290,7 +290,7 @@ class SweptScene:
         return layers_of(launch.planes_of(columns, planes, np.float32), planes, self.layers)
 
     def planes(self, pose: Pose, time: float, surface: Surface, part: tuple[int, int]) -> NDArray[np.float32]:
-        """Return planes as :func:`~seaglint.imaging.layers.planes_for`, of some columns [units of layers, (planes, rows, columns)]."""
+        """Return planes as ``planes_for``, of some columns [units of layers, (planes, rows, columns)]."""
         images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
         return launch.planes_of(images[:, 0], planes_for(self.layers), np.float32)
 

@@ -3,13 +3,13 @@
 Lattice points of a cubic B-spline hold its coefficients, not heights; :meth:`seaglint.sea.wave_field.WaveField.coefficients` computes them.
 
 A level of detail (:mod:`seaglint.sea.wave_field`) is a choice of lattices whose heights add up. A kernel that follows a horizontal line
-computes a :func:`course` of it once: its start on every lattice of the level and its step over the lattice.
+computes a ``course`` of it once: its start on every lattice of the level and its step over the lattice.
 
 Most samples of a grazing line are hidden. A line is read in strips, lattice by lattice, longest waves first. A strip is left as soon as the
 largest heights of the remaining lattices cannot bring it into view.
 
 Under a low Sun crests shade the sea: a point is lit by the share of the solar disc above the skyline towards the Sun
-(:func:`sun_over_waves`).
+(``sun_over_waves``).
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def spline_weights(f: np.float32) -> tuple[np.float32, np.float32, np.float32, n
 
 @kernel
 def slope_weights(f: np.float32) -> tuple[np.float32, np.float32, np.float32, np.float32]:
-    """Return the derivatives of the :func:`spline_weights` [1/cell]."""
+    """Return the derivatives of the ``spline_weights`` [1/cell]."""
     half = np.float32(0.5)
     e = np.float32(1.0) - f
     first, last = -half * e * e, half * f * f
@@ -110,7 +110,7 @@ def spline_value(z: np.ndarray, at: np.uint64, row: np.uint64, f: np.float32, g:
 
 @kernel
 def gradient(z: np.ndarray, at: np.uint64, row: np.uint64, f: np.float32, g: np.float32) -> tuple[np.float32, np.float32]:
-    """Return the derivatives along u and v [m/cell] of a cubic B-spline; arguments as of :func:`spline_value`."""
+    """Return the derivatives along u and v [m/cell] of a cubic B-spline; arguments as of ``spline_value``."""
     # four points along v at a time: each is read once for both derivatives
     a0, a1, a2, a3 = spline_weights(f)
     c0, c1, c2, c3 = slope_weights(f)
@@ -134,12 +134,12 @@ def gradient(z: np.ndarray, at: np.uint64, row: np.uint64, f: np.float32, g: np.
 class Surface(NamedTuple):
     """Sea of one instant as kernels read it.
 
-    ``lattice`` is all lattices one after another, row by row (:func:`seaglint.imaging.wave_surface.lay_rows`). ``part[i] = (address of the
+    ``lattice`` is all lattices one after another, row by row (``seaglint.imaging.wave_surface.lay_rows``). ``part[i] = (address of the
     heights, points along a side, address of the spline, 1 where the heights are read from that spline and 0 where linearly)``; see
-    :func:`point_height` and :func:`slopes`. ``grid[i] = (1/spacing, cos, sin of the lattice's turn, u, v under the sensor)``. ``level[l]``:
+    ``point_height`` and ``slopes``. ``grid[i] = (1/spacing, cos, sin of the lattice's turn, u, v under the sensor)``. ``level[l]``:
     parts of the level, -1 where there are no more; ``crest[l, j]``: largest height that its parts from ``j`` on add [m]. ``wander[i, w] =
     (u, v, east, north, phase)``: amplitude [cells], wave vector [cycles/m] and phase under the sensor [cycles] of the waves that make up a
-    part's displacement (:mod:`seaglint.sea.tiles`); none where tiles lie still.
+    part's displacement (``seaglint.sea.tiles``); none where tiles lie still.
     """
 
     lattice: np.ndarray
@@ -162,7 +162,7 @@ class SurfaceLine(NamedTuple):
     """Horizontal line over the lattices of one level, straight between the knots at which the displacement of a part is evaluated.
 
     ``start[j, m] + r step[j, m]``: position (u, v) [cells] at ``r`` metres, between the knots ``m`` and ``m + 1``; ``part[j]`` as in
-    :class:`Surface`, and the last ``m``; ``knot[j] = (arc of the first knot [m], knots per metre)``; ``turn[j] = (cos, sin)`` of a part's
+    ``Surface``, and the last ``m``; ``knot[j] = (arc of the first knot [m], knots per metre)``; ``turn[j] = (cos, sin)`` of a part's
     turn over its spacing [1/m].
     """
 
@@ -174,7 +174,7 @@ class SurfaceLine(NamedTuple):
 
 
 class Strip(NamedTuple):
-    """Buffers of up to :data:`STRIP` samples: their heights [m], and positions of those that are read.
+    """Buffers of up to ``STRIP`` samples: their heights [m], and positions of those that are read.
 
     These are arcs from the strip's beginning and heights [m], fractions (v, u) of cells, and addresses of the cells in their lattice.
     """
@@ -257,7 +257,7 @@ def lay_course(surface: Surface, level: int, direction: tuple[float, float], arc
 
 @njit
 def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[float, float]) -> SurfaceLine:
-    """Return the line from under the sensor along a horizontal unit vector; see :func:`lay_course`."""
+    """Return the line from under the sensor along a horizontal unit vector; see ``lay_course``."""
     count, most = 0, 1
     while count < surface.level.shape[1] and surface.level[level, count] >= 0:
         most = max(most, knots(surface, surface.level[level, count], arcs)[0])
@@ -397,8 +397,8 @@ def add_between(strip: Strip, bits: int) -> None:
 def add_heights(surface: Surface, line: SurfaceLine, j: int, range_m: np.ndarray, first: int, count: int, strip: Strip) -> None:
     """Add the heights of a level's part ``j`` at ``count`` samples of a line, from ``range_m[first]`` on, to the heights of the strip [m].
 
-    Equal to :func:`height`, to a ``SUBCELLS``-th of a cell, for strips of up to :data:`LONGEST_STRIP` cells; cubic between the samples that
-    are read (:func:`stride`).
+    Equal to ``height``, to a ``SUBCELLS``-th of a cell, for strips of up to ``LONGEST_STRIP`` cells; cubic between the samples that
+    are read (``stride``).
     """
     at, begin = np.uint64(first), range_m[first]
     last = range_m[first + count - 1] - begin
@@ -466,7 +466,7 @@ def steepest_rise(lattices: tuple[NDArray[np.float32], ...], spacing: FloatArray
 
 
 def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
-    """Return the rows :attr:`Surface.wander` for a sensor above ``origin`` [m]."""
+    """Return the rows ``Surface.wander`` for a sensor above ``origin`` [m]."""
     out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
     for rows, one, d, angle in zip(out, wander, spacing, turn, strict=False):
         row = rows[: one.phase.size]  # waves that a part lacks have no amplitude

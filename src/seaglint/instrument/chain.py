@@ -54,7 +54,7 @@ class Exposure:
 class Drawn:
     """Properties of a picture of this program that a sensor needs besides its radiance."""
 
-    #: Sunlight in the radiance that is independent from pixel to pixel (:data:`seaglint.imaging.layers.SPARKLE`) [W m-2 sr-1, (rows,
+    #: Sunlight in the radiance that is independent from pixel to pixel (``seaglint.imaging.layers.SPARKLE``) [W m-2 sr-1, (rows,
     #: columns)]; None of a picture whose layers are not known.
     sparkle: NDArray[np.float32] | None = None
     cells: float = 0.0  #: Side of the cells from which its pixels were averaged [rad]; 0 for none.
@@ -98,9 +98,9 @@ class SensorModel:
 
     @cached_property
     def oversampling(self) -> int:
-        """Fine pixels along a pixel's side in drawings: the fewest with little folded energy, at most :attr:`finest`.
+        """Fine pixels along a pixel's side in drawings: the fewest with little folded energy, at most ``finest``.
 
-        See :func:`~seaglint.instrument.transfer.sufficient_oversampling`.
+        See ``sufficient_oversampling``.
         """
         return sufficient_oversampling(self.blur, self.sampling(1), self.finest)
 
@@ -147,7 +147,7 @@ class SensorModel:
     def sampling(self, oversampling: int, rates: tuple[float, float] = (0.0, 0.0), *, points: bool = False, cells: float = 0.0) -> Sampling:
         """Return the sampling of pictures that are ``oversampling`` times finer, with the line of sight moving at ``rates`` [rad s-1].
 
-        ``points`` and ``cells`` as in :class:`~seaglint.instrument.transfer.Sampling`.
+        ``points`` and ``cells`` as in ``Sampling``.
         """
         detector = self.detector
         share = detector.crosstalk if isinstance(detector, PhotonPixels) else 0.0
@@ -163,7 +163,7 @@ class SensorModel:
         points: bool = False,
         cells: float = 0.0,
     ) -> Transfer:
-        """Return blur and sampling of fine pictures of ``shape`` (rows, columns), with :meth:`sampling`; the latest are cached."""
+        """Return blur and sampling of fine pictures of ``shape`` (rows, columns), with ``sampling``; the latest are cached."""
         key = (self.sampling(oversampling, rates, points=points, cells=cells), shape)
         cached = self._transfers.get(key)
         if cached is None:
@@ -198,11 +198,11 @@ class SensorModel:
         rates : (float, float)
             Movement of the line of sight by the platform, along and across rows [rad s-1].
         added : ndarray, optional
-            Radiance added on the pixels, already blurred and distorted (:mod:`seaglint.instrument.local_light`), before stray light and
+            Radiance added on the pixels, already blurred and distorted (``seaglint.instrument.local_light``), before stray light and
             vignetting [W m-2 sr-1, (rows, columns)]; for single pictures.
         drawn : Drawn, optional
             For a picture of this program, in which each fine pixel is the mean of a scene over it. In any other picture, isolated light of
-            a fine pixel (:func:`~seaglint.instrument.transfer.isolated`) is taken as a point in its middle.
+            a fine pixel (``isolated``) is taken as a point in its middle.
 
         Returns
         -------
@@ -250,7 +250,7 @@ class SensorModel:
         Parameters
         ----------
         seen : ndarray
-            Radiance from :meth:`focal_plane` [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
+            Radiance from ``focal_plane`` [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
         frame : int
             Number of the frame (of the first frame) in the whole sequence; noise is a function of it.
         time : float, optional
@@ -305,7 +305,7 @@ class SensorModel:
         return cached
 
     def sense(self, radiance: NDArray[np.float32], frame: int = 0, oversampling: int = 1) -> Exposure:
-        """Return the signal by :meth:`focal_plane` and :meth:`expose`, without the lag of a thermal detector, which needs more frames."""
+        """Return the signal by ``focal_plane`` and ``expose``, without the lag of a thermal detector, which needs more frames."""
         return self.expose(self.focal_plane(radiance, oversampling), frame)
 
     def apparent_temperature(self, counts: FloatArray | NDArray[np.uint16]) -> FloatArray:

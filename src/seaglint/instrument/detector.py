@@ -26,7 +26,7 @@ class Pixels:
     bit_depth: int
 
     def require_bits(self) -> None:
-        """Raise for a bit depth outside 1 to :data:`MOST_BITS`."""
+        """Raise for a bit depth outside 1 to ``MOST_BITS``."""
         if not 1 <= self.bit_depth <= MOST_BITS:
             raise DomainError(
                 f"bit depth = {self.bit_depth} is not one of a signal of 16 bits; give 1 to {MOST_BITS}",

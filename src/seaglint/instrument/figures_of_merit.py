@@ -175,7 +175,7 @@ def point_response(model: SensorModel, rates: tuple[float, float] = (0.0, 0.0)) 
 
     ``s = (1 - stray) p^2 int H_optics H_detector H_crosstalk H_motion d^2f`` with the pixel's angle ``p``: a point of the intensity ``I``
     at the distance ``R`` adds ``s I / (R^2 p^2)`` to the radiance of its pixel. The response does not include the fill factor, as the
-    radiance of a pixel is a mean over its sensitive area; :func:`point_share` includes it.
+    radiance of a pixel is a mean over its sensitive area; ``point_share`` includes it.
     """
     sampling, jitter = model.sampling(1, rates), model.optics.jitter
     # up to the cut-off, or to where jitter leaves 1e-12; several points in the shortest ripple

@@ -34,7 +34,7 @@ PictureWindow = tuple[int, int, NDArray[np.float32]]
 
 NODES_PER_CYCLE: Final = 4.0  #: Number of nodes of the grid in a period of the optics' cut-off.
 
-#: Least and greatest margin of a window around its sources [pixels]; between them :data:`BLURS` of diffraction.
+#: Least and greatest margin of a window around its sources [pixels]; between them ``BLURS`` of diffraction.
 #:
 #: Diffracted light beyond the margin, a share of some ``1 / (pi^2 BLURS)``, wraps around to the other side, so that sums are complete.
 MARGINS: Final = (24, 48)
@@ -231,7 +231,7 @@ def count_pixels(sums: np.ndarray, first: tuple[int, int], boxes: Boxes, instant
 
 @dataclass(frozen=True, eq=False)
 class LocalLight:
-    """Transfer of small sources to the pixels around them; make it with :meth:`of`."""
+    """Transfer of small sources to the pixels around them; make it with ``of``."""
 
     blur: Blur  #: Transfer of the optics.
     sampling: Sampling  #: Pixels and steady movement.

@@ -67,7 +67,7 @@ class DetectorNoise:
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """Fixed pattern of one detector, a function of its seed and size; make it with :meth:`of`."""
+    """Fixed pattern of one detector, a function of its seed and size; make it with ``of``."""
 
     noise: DetectorNoise
     full_scale: float
@@ -213,7 +213,7 @@ def three_d_noise(cube: NDArray[np.floating] | NDArray[np.integer]) -> dict[str,
     Returns
     -------
     dict
-        Standard deviations by the names of :data:`COMPONENTS`; 0 for a component below the share of the others in its mean.
+        Standard deviations by the names of ``COMPONENTS``; 0 for a component below the share of the others in its mean.
     """
     u = np.asarray(cube, np.float64)
     if u.ndim != 3 or min(u.shape) < 2:

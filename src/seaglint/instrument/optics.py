@@ -140,7 +140,7 @@ def pupil_mtf(v: ArrayLike, obscuration: float = 0.0, defocus: float = 0.0) -> F
 
     Notes
     -----
-    The chord of the overlap at each place along the shift is exact, the integral along it a sum of :data:`PUPIL_POINTS` midpoints in the
+    The chord of the overlap at each place along the shift is exact, the integral along it a sum of ``PUPIL_POINTS`` midpoints in the
     angle whose sine is the place, which takes up the square roots at the ends.
 
     Examples
@@ -184,7 +184,7 @@ def motion_mtf(frequency: ArrayLike, angle: float) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Blur:
-    """Transfer of the optics for the spectrum of a detector; make it with :meth:`of`."""
+    """Transfer of the optics for the spectrum of a detector; make it with ``of``."""
 
     optics: SensorOptics  #: The optics.
     wavelength: float  #: Mean wavelength [m].
@@ -235,12 +235,12 @@ class Blur:
 
     @property
     def jitter_apart(self) -> float:
-        """Jitter that is not in :meth:`table`, as its transfer falls too fast for the table's nodes [rad]; 0 for smaller jitter."""
+        """Jitter that is not in ``table``, as its transfer falls too fast for the table's nodes [rad]; 0 for smaller jitter."""
         jitter = self.optics.jitter
         return jitter if jitter * float(self.frequency[1]) > SHARPEST else 0.0
 
     def table(self) -> tuple[FloatArray, FloatArray]:
-        """Return frequencies from 0 to the cut-off [cycles rad-1] and the product of :meth:`parts` without :attr:`jitter_apart` [1]."""
+        """Return frequencies from 0 to the cut-off [cycles rad-1] and the product of ``parts`` without ``jitter_apart`` [1]."""
         total = np.ones(self.frequency.size)
         for name, part in self.parts(self.frequency).items():
             if name != "jitter" or not self.jitter_apart:

@@ -110,7 +110,7 @@ def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatA
 def margins(blur: Blur, sampling: Sampling, shape: tuple[int, int]) -> tuple[int, int]:
     """Return the number of pixels by which a picture of ``shape`` (rows, columns) is continued above and below, and left and right.
 
-    Jitter and movement count up to the side of the picture, or :data:`MOST_MARGIN`.
+    Jitter and movement count up to the side of the picture, or ``MOST_MARGIN``.
     """
     step, jitter = sampling.step, blur.optics.jitter
     frequency, table = blur.table()
@@ -126,7 +126,7 @@ def margins(blur: Blur, sampling: Sampling, shape: tuple[int, int]) -> tuple[int
 
 
 def padded_shape(blur: Blur, sampling: Sampling, shape: tuple[int, int]) -> tuple[int, int]:
-    """Return rows and columns of a picture with its :func:`margins` in the transform; a full circle has no margins at its sides."""
+    """Return rows and columns of a picture with its ``margins`` in the transform; a full circle has no margins at its sides."""
     above, left = margins(blur, sampling, shape)
     rows = int(scipy.fft.next_fast_len(shape[0] + 2 * above, real=True))
     return rows, shape[1] if sampling.circle else int(scipy.fft.next_fast_len(shape[1] + 2 * left, real=True))
@@ -160,11 +160,11 @@ def folded_share(blur: Blur, sampling: Sampling, oversampling: int) -> float:
     return float((folded + energy[~seen].sum()) / energy.sum())
 
 
-_FREQUENCIES: Final = 512  #: Number of frequencies along each axis for :func:`folded_share`, up to the cut-off.
+_FREQUENCIES: Final = 512  #: Number of frequencies along each axis for ``folded_share``, up to the cut-off.
 
 
 def sufficient_oversampling(blur: Blur, sampling: Sampling, most: int) -> int:
-    """Return the least number of fine pixels along a side of a pixel, up to ``most``, whose :func:`folded_share` is :data:`FOLDED`."""
+    """Return the least number of fine pixels along a side of a pixel, up to ``most``, whose ``folded_share`` is ``FOLDED``."""
     return next((n for n in range(1, most) if folded_share(blur, sampling, n) <= FOLDED), most)
 
 
@@ -196,7 +196,7 @@ def require_steady(jitter: float, shape: tuple[int, int]) -> None:
     Raises
     ------
     DomainError
-        Jitter beyond :data:`~seaglint.base.limits.SHAKEN`.
+        Jitter beyond ``SHAKEN``.
     """
     most = max(SHAKEN[0] * min(shape), SHAKEN[1])
     if jitter > most:
@@ -211,7 +211,7 @@ def require_steady(jitter: float, shape: tuple[int, int]) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Transfer:
-    """Blur and sampling of pictures of one size; make it with :meth:`of`."""
+    """Blur and sampling of pictures of one size; make it with ``of``."""
 
     sampling: Sampling
     shape: tuple[int, int]  #: Numbers of rows and columns of the detector.
@@ -226,7 +226,7 @@ class Transfer:
         Raises
         ------
         DomainError
-            A picture that the oversampling does not divide, or jitter beyond :data:`~seaglint.base.limits.SHAKEN`.
+            A picture that the oversampling does not divide, or jitter beyond ``SHAKEN``.
         """
         n, step = sampling.oversampling, sampling.step
         shape = require_divides(fine_shape, n)

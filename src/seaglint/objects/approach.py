@@ -35,7 +35,7 @@ class Contact(NamedTuple):
 def first_contact(body: Body, eye: Callable[[float], FloatArray], corners: FloatArray, last: float) -> Contact | None:
     """Return the first contact of a sensor with a body between 0 and the last time [s]; None without contact.
 
-    The path of the sensor touches a solid and a plume where it crosses them, a point within :data:`CLEARANCE`.
+    The path of the sensor touches a solid and a plume where it crosses them, a point within ``CLEARANCE``.
 
     Parameters
     ----------

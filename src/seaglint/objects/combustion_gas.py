@@ -21,7 +21,7 @@ where :math:`\Psi` and :math:`\Phi` are sums over the vibrational levels, :math:
 :math:`p_0` = 1 atm.
 
 Total emissivities at 400-2000 K agree with Leckner's (1972) within 18 %, mostly within 10 %. Spectra are means over some 25 cm-1. Soot and
-other gases are not included. :func:`plume_emissivity` tabulates emissivities of plumes along chords of all lengths, at the samples of a
+other gases are not included. ``plume_emissivity`` tabulates emissivities of plumes along chords of all lengths, at the samples of a
 band.
 
 References
@@ -220,7 +220,7 @@ def longest_chord(plume: GasPlume) -> float:
 
 
 def plume_emissivity(plume: GasPlume, wavenumber_cm: FloatArray) -> FloatArray:
-    """Return the emissivity along chords of :func:`chord_shares` at the samples of a band [1, (chords, n)]."""
+    """Return the emissivity along chords of ``chord_shares`` at the samples of a band [1, (chords, n)]."""
     if plume.emissivity is not None:
         grey = -np.expm1(chord_shares() * math.log1p(-plume.emissivity))
         return np.repeat(grey[:, None], wavenumber_cm.size, axis=1)

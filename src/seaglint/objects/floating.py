@@ -61,7 +61,7 @@ class Lift(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Swell:
-    """Plane waves of a sea that matter for floating bodies; make it with :meth:`of`."""
+    """Plane waves of a sea that matter for floating bodies; make it with ``of``."""
 
     waves: tuple[FloatArray, ...]
     wander: tuple[Wander, ...]
@@ -188,7 +188,7 @@ def _averaged(q: float) -> tuple[float, float]:
 
 MOST_SAMPLES = 257  #: Largest number of times at which the motion is evaluated beforehand: one second of computing.
 
-DENSE = 0.25  #: Spacing of these times [s] up to which their extremes are the extremes of the motion, within :data:`SPARE`.
+DENSE = 0.25  #: Spacing of these times [s] up to which their extremes are the extremes of the motion, within ``SPARE``.
 
 SPARE = 0.5  #: Margin in standard deviations for motion between two samples beyond their extremes.
 
@@ -199,7 +199,7 @@ _TURNS = 9  #: Number of azimuths of a turning track at which the camera's reach
 
 @dataclass(frozen=True, eq=False)
 class FloatingTrack(Track):
-    """Track on a floating vessel; make it with :meth:`create`. ``time`` and ``values`` are keyframes on a flat sea."""
+    """Track on a floating vessel; make it with ``create``. ``time`` and ``values`` are keyframes on a flat sea."""
 
     swell: Swell  #: Waves that the vessel rides on.
     half_sides: FloatArray  #: Half sides of the waterline, towards starboard and forward [m, (2,)].

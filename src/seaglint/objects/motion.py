@@ -177,7 +177,7 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class Keyframed:
-    """Motion of a body from keyframe to keyframe; make it with :meth:`create`."""
+    """Motion of a body from keyframe to keyframe; make it with ``create``."""
 
     time: FloatArray  #: Times of the keyframes [s].
     position: FloatArray  #: Positions of the keyframes (keyframes, 3): east, north, height [m].
@@ -217,7 +217,7 @@ class Keyframed:
         ------
         DomainError
             Fewer than two keyframes, values that are not finite, times that do not increase, and jumps
-            (:data:`~seaglint.base.limits.MOST_SPEED`, :data:`~seaglint.base.limits.MOST_TURN`, half a turn, which can go either way).
+            (``MOST_SPEED``, ``MOST_TURN``, half a turn, which can go either way).
         """
         if len(time) < 2:
             raise DomainError(f"{len(time)} keyframe{'s' * (len(time) != 1)}; give two or more, or a position without keyframes")

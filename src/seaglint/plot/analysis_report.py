@@ -27,7 +27,7 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
     Parameters
     ----------
     analysis : Analysis
-        From :func:`seaglint.analysis.analyze`.
+        From ``seaglint.analysis.analyze``.
     path : path
         File to write, usually ``.html``.
     overwrite : bool

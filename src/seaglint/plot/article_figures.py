@@ -142,7 +142,7 @@ def draw_figure_2(dataset: xr.Dataset) -> Figure:
 
 
 def smooth_rows(sun: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return rows at even steps of :data:`_SUN_STEP` from the computed rows, by monotone cubics: kinks of lines show as stripes."""
+    """Return rows at even steps of ``_SUN_STEP`` from the computed rows, by monotone cubics: kinks of lines show as stripes."""
     from scipy.interpolate import PchipInterpolator
 
     fine = np.linspace(sun[0], sun[-1], 1 + round(float(sun[-1] - sun[0]) / _SUN_STEP))
@@ -254,7 +254,7 @@ def write_figure(name: str, dataset: xr.Dataset, output: str | Path) -> Path:
 
 
 class EngagementWays(Protocol):
-    """Positions of sensor and bodies in the vertical plane of the line of sight, from :mod:`seaglint.studies.article.figures_5_and_12`."""
+    """Positions of sensor and bodies in the vertical plane of the line of sight, from ``seaglint.studies.article.figures_5_and_12``."""
 
     @property
     def time(self) -> FloatArray:
@@ -320,7 +320,7 @@ def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: EngagementW
 
 
 def write(dataset: xr.Dataset, index: int, labels: list[Label], ways: EngagementWays, output: str | Path) -> Path:
-    """Draw the figure (:func:`draw`) and write it as PNG, without date or version inside.
+    """Draw the figure (``draw``) and write it as PNG, without date or version inside.
 
     Raises
     ------

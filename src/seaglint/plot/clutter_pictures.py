@@ -79,7 +79,7 @@ def per_frame(analysis: Analysis) -> tuple[float, str]:
 
 
 def draw_regions(analysis: Analysis) -> Figure:
-    """Draw the mean image with the outlines of the regions, and the row and column of :func:`draw_slices`."""
+    """Draw the mean image with the outlines of the regions, and the row and column of ``draw_slices``."""
     from matplotlib.colors import ListedColormap
     from matplotlib.lines import Line2D
 

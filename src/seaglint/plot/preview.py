@@ -247,7 +247,7 @@ def _mark_horizon(axes: Axes, below: FloatArray, elevation: FloatArray | None) -
 
 
 def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
-    """Return a figure of the first frame of a sequence, or of a map; :func:`seaglint.plot.scale.scale_of` explains ``scale``.
+    """Return a figure of the first frame of a sequence, or of a map; ``seaglint.plot.scale.scale_of`` explains ``scale``.
 
     Raises
     ------
@@ -289,7 +289,7 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
 
 
 def write_picture(dataset: xr.Dataset, output: str | Path, scale: Kind = "auto") -> Path:
-    """Write the picture as PNG; ``scale`` as in :func:`draw`.
+    """Write the picture as PNG; ``scale`` as in ``draw``.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """Export of a run in the format that belongs to the ending of a file.
 
-:mod:`seaglint.formats.export` writes numbers, :mod:`seaglint.plot.video` moving pictures. Numbers are written as stored, in single
+``seaglint.formats.export`` writes numbers, ``seaglint.plot.video`` moving pictures. Numbers are written as stored, in single
 precision, or as counts.
 """
 
@@ -47,10 +47,10 @@ def write_stack(
     stack : Stack
         The images.
     output : path
-        File to write, with one of the endings of :func:`seaglint.formats.export.endings`.
+        File to write, with one of the endings of ``seaglint.formats.export.endings``.
     dtype : {"uint16", "float32"}, optional
         Type of the numbers; the type of the run by default. Counts of 16 bits stay unchanged, other values become
-        :class:`~seaglint.formats.export.stack.Counts`.
+        ``Counts``.
     limits : (float, float), optional
         Range of these counts; by default the range of the values, for which all frames are read a second time.
     overwrite : bool
@@ -155,14 +155,14 @@ def export_run(
     dataset : xarray.Dataset
         A run, opened lazily.
     output : path
-        File to write; its ending is the format: one of :func:`seaglint.formats.export.endings` or of a video.
+        File to write; its ending is the format: one of ``seaglint.formats.export.endings`` or of a video.
     variable, frames
-        As in :func:`seaglint.formats.export.stack.select`.
+        As in ``seaglint.formats.export.stack.select``.
     dtype, limits
-        As for :func:`seaglint.plot.run_export.write_stack`;
+        As for ``seaglint.plot.run_export.write_stack``;
         ``limits`` are also the ends of a video's scale, which is then linear.
     colours, rate, scale
-        As in :func:`seaglint.plot.video.write_video`.
+        As in ``seaglint.plot.video.write_video``.
     overwrite : bool
         Replace an existing file.
     progress : callable, optional

@@ -132,7 +132,7 @@ def round_ticks(share: Callable[[FloatArray], FloatArray], value: Callable[[Floa
     Parameters
     ----------
     share : callable
-        Brightness [0, 1] of values, as :meth:`seaglint.base.brightness.Scale.share`.
+        Brightness [0, 1] of values, as ``seaglint.base.brightness.Scale.share``.
     value : callable
         Its inverse.
 

@@ -116,7 +116,7 @@ def write_video(
     output : path
         File to write.
     scale : {"auto", "linear", "log"}
-        As in :func:`seaglint.plot.scale.scale_of`, one for all frames.
+        As in ``seaglint.plot.scale.scale_of``, one for all frames.
     variable : str, optional
         Displayed variable; radiance by default, computed from counts where only counts are stored.
     colours : {"white-hot", "black-hot", "perceptual"}
@@ -124,7 +124,7 @@ def write_video(
     limits : (float, float), optional
         Ends of a linear scale, used instead of ``scale`` [units of the variable].
     rate : float, optional
-        Frames per second [Hz]; :func:`shown_rate` by default.
+        Frames per second [Hz]; ``shown_rate`` by default.
     remedy : str
         End of the error's text where the disk is full: what to do.
     progress : callable, optional

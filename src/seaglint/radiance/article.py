@@ -34,7 +34,7 @@ _ZENITHS: Final = np.radians([0, 10, 20, 30, 40, 45, 50, 55, 60, 65, 70, 74, 77,
 
 @dataclass(frozen=True, eq=False)
 class ArticleAtmosphere:
-    """Band quantities of one atmosphere for one sensor height, interpolated as in the article. Make it with :meth:`fit`."""
+    """Band quantities of one atmosphere for one sensor height, interpolated as in the article. Make it with ``fit``."""
 
     coefficients: FloatArray  #: ``a_0 ... a_3`` of Eq. 9 for the slant range in km [(4,)].
     path: CubicSpline[np.float64]  #: Path radiance [W m-2 sr-1] against ln slant range [m].
@@ -88,7 +88,7 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
     ----------
     view : SeaView
         Sensor, sea, air and Sun; ``shadowing`` and ``background`` are ignored: the article shadows the viewer's leg and treats the
-        sea with its mirrored sky as a blackbody. Give :func:`seaglint.optics.sea_water.article` as water and
+        sea with its mirrored sky as a blackbody. Give ``seaglint.optics.sea_water.article`` as water and
         ``cox_munk_isotropic(W, height=12.5)`` as slopes for its own case.
     elevation, azimuth : array_like
         Lines of sight [rad, (rows,)] and [rad, (columns,)] as in :func:`seaglint.radiance.mean_radiance.mean_radiance`; separate azimuths

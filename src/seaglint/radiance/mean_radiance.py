@@ -70,7 +70,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     azimuth : array_like
         Azimuths of the lines of sight, clockwise from north [rad, (columns,)].
     surface : SeaSurface, optional
-        Water, sky and sea temperature of the view, from :meth:`SeaSurface.create` on the band's part of the grid (``view.in_band.grid``);
+        Water, sky and sea temperature of the view, from ``SeaSurface.create`` on the band's part of the grid (``view.in_band.grid``);
         views that share them need not compute it again.
 
     Returns
@@ -87,7 +87,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     -----
     Everything is integrated on the atmosphere's spectral samples; structure finer than these (20 cm-1 averages in LOWTRAN7) is not
     resolved, so correlations of absorption between sunlight and path inside them are missed. Rows above the sea horizon show the sky.
-    Up to 160 rows are computed one by one, more are interpolated by :class:`MeanModel`, within 1e-5.
+    Up to 160 rows are computed one by one, more are interpolated by ``MeanModel``, within 1e-5.
 
     References
     ----------
@@ -98,7 +98,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
 
 @dataclass(frozen=True, eq=False)
 class SeaLines:
-    """Lines of sight over one sea and air, with all quantities that do not depend on the Sun. Make it with :meth:`prepare`."""
+    """Lines of sight over one sea and air, with all quantities that do not depend on the Sun. Make it with ``prepare``."""
 
     surface: SeaSurface | None  #: Water, sky and sea temperature.
     _rows: FloatArray
@@ -146,7 +146,7 @@ class SeaLines:
 class MeanModel:
     """Mean radiance of one view, tabulated along elevation and wind azimuth, so that maps of any size are quick.
 
-    Make it with :meth:`prepare`.
+    Make it with ``prepare``.
 
     Path, background and the Sun's spectral sums are splined over the elevation of the viewer above the horizontal at the sea, in
     ``arsinh(elevation / scale)`` with the scale of the sensor's horizon or of the slopes, whichever is finer; the glint's chance is
@@ -270,7 +270,7 @@ def _with_scattered(out: SeaRadiance, sea: NDArray[np.bool_], scattered: tuple[F
 
 @dataclass(frozen=True, eq=False)
 class ThermalRows:
-    """Path, emission and sky of sea rows [W m-2 sr-1, (rows, 1 + 2 k)], and the path of the mirrored Sun. Make it with :meth:`of`."""
+    """Path, emission and sky of sea rows [W m-2 sr-1, (rows, 1 + 2 k)], and the path of the mirrored Sun. Make it with ``of``."""
 
     terms: FloatArray
     seen: FloatArray

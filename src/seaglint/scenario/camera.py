@@ -70,7 +70,7 @@ class CameraTables:
 
 
 def read_camera(given: str) -> CameraTables:
-    """Read a camera from text such as :data:`EXAMPLE`, or from a TOML file of the same keys.
+    """Read a camera from text such as ``EXAMPLE``, or from a TOML file of the same keys.
 
     Raises
     ------

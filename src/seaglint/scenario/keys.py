@@ -98,7 +98,7 @@ def key_at(location: tuple[str | int, ...]) -> Key | None:
 
 
 def named_key(dotted: str) -> Key | None:
-    """Return the key of a dotted name as :func:`seaglint.scenario.changed_scenario.set_key` takes it; None where no such key exists.
+    """Return the key of a dotted name as ``seaglint.scenario.changed_scenario.set_key`` takes it; None where no such key exists.
 
     >>> named_key("objects.ferry.course_deg").path, named_key("sensor.fov_deg.0").path, named_key("wind.speed")
     (('objects', 'course_deg'), ('sensor', 'fov_deg'), None)
@@ -148,7 +148,7 @@ def tag_name(location: tuple[str | int, ...]) -> str:
 
 
 def kinds_with(location: tuple[str | int, ...], name: str) -> tuple[str, ...]:
-    """Return the kinds of the union at a location that have a key ``name``, as :func:`tag_name` is written for them."""
+    """Return the kinds of the union at a location that have a key ``name``, as ``tag_name`` is written for them."""
     records, kind = _at(tuple(str(part) for part in location)), tag_name(location)
     return tuple(record.model_fields[kind].default for record in records if name in record.model_fields)
 

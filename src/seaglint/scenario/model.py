@@ -42,7 +42,7 @@ class Scenario(Record):
     objects: Annotated[tuple[Object, ...] | None, about("what is on and above the sea")] = None
     likelihood: Annotated[Likelihood | None, about("how often glint matters, for the command likelihood")] = None
 
-    #: Function that makes the HTML for notebooks; :mod:`seaglint.scenario.text.display`, which reads this module, sets it.
+    #: Function that makes the HTML for notebooks; ``seaglint.scenario.text.display``, which reads this module, sets it.
     html: ClassVar[Callable[[Any], str] | None] = None
 
     def _repr_html_(self) -> str | None:

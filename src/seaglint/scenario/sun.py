@@ -12,7 +12,7 @@ from seaglint.scenario.model import Scenario
 
 SUN_STEP: Final = math.radians(0.05)  #: Angle that the Sun moves before a sequence takes its new position [rad]: a tenth of its diameter.
 
-#: Shortest time in which the Sun moves by :data:`SUN_STEP` [s], 11.97 s, from the Earth's rotation against the stars.
+#: Shortest time in which the Sun moves by ``SUN_STEP`` [s], 11.97 s, from the Earth's rotation against the stars.
 SUN_STEP_TIME: Final = 86_400.0 * SUN_STEP / math.radians(360.985647)
 
 
@@ -44,10 +44,10 @@ def sun_step(scenario: Scenario, time: float) -> int:
 
 
 def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
-    """Return direction and distance of the Sun at the scenario's first frame, or at the beginning of a later step (:func:`sun_step`).
+    """Return direction and distance of the Sun at the scenario's first frame, or at the beginning of a later step (``sun_step``).
 
     Date and place go through the NREL solar position algorithm (Reda and Andreas 2004) of pvlib, with its standard
-    atmosphere for refraction: the sea mirrors the Sun from where it is seen. Over a sequence it stays for :data:`SUN_STEP_TIME` at a time.
+    atmosphere for refraction: the sea mirrors the Sun from where it is seen. Over a sequence it stays for ``SUN_STEP_TIME`` at a time.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 """Dispersion of gravity-capillary waves on deep water.
 
-``omega^2 = g k + (T/rho) k^3``, with the surface tension and density of :mod:`seaglint.base.constants` (Lamb, Hydrodynamics, section 267).
+``omega^2 = g k + (T/rho) k^3``, with the surface tension and density of ``seaglint.base.constants`` (Lamb, Hydrodynamics, section 267).
 The slowest wave is 1.7 cm long and travels at 0.231 m/s.
 """
 

@@ -193,7 +193,7 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
 
 @lru_cache(maxsize=4)  # called four times for the spectrum of a scene
 def longest_wave_number(spectrum: DirectionalSpectrum) -> float:
-    """Wavenumber below which lies :data:`ENERGETIC_SHARE` of the height variance [rad m⁻¹]."""
+    """Wavenumber below which lies ``ENERGETIC_SHARE`` of the height variance [rad m⁻¹]."""
     low, high = spectrum.wavenumber_range
     variance = ENERGETIC_SHARE * spectrum.height_variance()
     return float(np.exp(brentq(lambda x: spectrum.height_variance(float(np.exp(x))) - variance, np.log(low), np.log(high), xtol=1e-6)))

@@ -7,7 +7,7 @@
     zeta(x, t) = Re sum_k a_k exp[i (k.x - omega t)],     <|a_k|^2> = 2 int_cell Psi dk,     omega by :mod:`seaglint.sea.dispersion`
 
 Every tile carries a separate band of wavenumbers, so that the sum over tiles has the whole spectrum once. Lengths are incommensurate and
-axes turned against each other; if the sea must not show the period of any tile, tiles wander (:mod:`seaglint.sea.tiles`). The
+axes turned against each other; if the sea must not show the period of any tile, tiles wander (``seaglint.sea.tiles``). The
 energy of a lattice wave is the integral of the spectrum over its cell, not a sample of it: heights and slopes have the variance of the
 spectrum for any grid size and tile length. A frame is a function of (amplitudes, time) alone; amplitudes are a function of
 (spectrum, tiles, seed) alone.
@@ -94,7 +94,7 @@ def read_share(turn: FloatArray, reading: Reading) -> FloatArray:
 
 
 def gain(turn: FloatArray, reading: Reading) -> FloatArray:
-    """Factor of the amplitudes of waves with which a reader gets their variance, along one axis [1]; as :func:`read_share`."""
+    """Factor of the amplitudes of waves with which a reader gets their variance, along one axis [1]; as ``read_share``."""
     return np.asarray(1.0 / np.sqrt(read_share(turn, reading)))
 
 
@@ -125,7 +125,7 @@ class _Amplitudes:
 class WaveField:
     """Moving sea, synthesised on periodic tiles. Make it with :meth:`create`.
 
-    ``wander``: displacement at which each tile is read (:mod:`seaglint.sea.tiles`); empty without wander. ``readings``: how the
+    ``wander``: displacement at which each tile is read (``seaglint.sea.tiles``); empty without wander. ``readings``: how the
     heights of each are read between lattice points; linearly where their share is small. ``oblique``: the waves are a mean
     (:meth:`averaged`), which need not lie evenly on both sides of the wind.
     """
@@ -207,7 +207,7 @@ class WaveField:
         -------
         tuple of ndarray
             Per tile an array (n, n, 3) of float32: height [m], slope towards east, slope towards north [1], at [iy, ix] with
-            ``u = ix spacing``, ``v = iy spacing`` (see :class:`Tile`). They are samples of the sea: linear interpolation between them
+            ``u = ix spacing``, ``v = iy spacing`` (see ``Tile``). They are samples of the sea: linear interpolation between them
             loses variance.
         """
         out = []
@@ -315,7 +315,7 @@ def _to_world(tile: Tile, p: FloatArray, q: FloatArray) -> tuple[FloatArray, Flo
 
 
 def _turns(tile: Tile) -> tuple[FloatArray, FloatArray]:
-    """Phases from one lattice point to the next of the rows and columns of :func:`_lattice_numbers` [rad]."""
+    """Phases from one lattice point to the next of the rows and columns of ``_lattice_numbers`` [rad]."""
     q, p = _lattice_numbers(tile)
     return q * (2.0 * np.pi / tile.n), p * (2.0 * np.pi / tile.n)
 
@@ -473,7 +473,7 @@ def _transformed(tile: Tile, coefficients: ComplexArray, workers: int) -> Surfac
 class Level:
     """One level of detail: the tiles of the sea that it contains."""
 
-    parts: tuple[int, ...]  #: Versions of tiles, by their place in :attr:`Detail.parts`, longest waves first.
+    parts: tuple[int, ...]  #: Versions of tiles, by their place in ``Detail.parts``, longest waves first.
     shortest_wave: float  #: Length of the shortest wave of the level [m].
     mss: tuple[float, float]  #: Slope variance (up, cross) of its waves [1].
     covariance: float = 0.0  #: Covariance of its slopes along the wind and to the right of it [1].

@@ -17,7 +17,7 @@ FULLY_DEVELOPED: Final = 0.84  #: Inverse wave age U10/cp of a fully developed s
 def require_wind(
     wind_speed: float, allowed: tuple[float, float] = WIND_PROFILE, *, model: str = "the wind profile", advice: str = ""
 ) -> None:
-    """Raise :class:`DomainError` unless ``wind_speed`` [m/s] is finite and inside the closed interval ``allowed``."""
+    """Raise ``DomainError`` unless ``wind_speed`` [m/s] is finite and inside the closed interval ``allowed``."""
     if not (math.isfinite(wind_speed) and allowed[0] <= wind_speed <= allowed[1]):
         text = f"wind speed = {wind_speed:g} m/s is outside {allowed[0]:g}-{allowed[1]:g} m/s of {model}"
         raise DomainError(

@@ -60,7 +60,7 @@ class FalseAlarmMap:
 
     @classmethod
     def of(cls, stored: JsonObject) -> Self:
-        """Return the map that :meth:`as_dict` wrote."""
+        """Return the map that ``as_dict`` wrote."""
         in_degrees = "azimuth_deg" in stored
         down, right = cls._edges(in_degrees)
         return cls(stored["exceedances"], stored["pixels"], stored[down], stored[right], in_degrees)
@@ -118,7 +118,7 @@ class DetectionCase:
 
     @classmethod
     def of(cls, stored: JsonObject) -> Self:
-        """Return the case that :meth:`as_dict` wrote."""
+        """Return the case that ``as_dict`` wrote."""
         given = stored["chips"]
         missed, false = (tuple(Chip(**chip) for chip in given[name]) for name in ("missed", "false"))
         chips = Chips(missed, false, given["missed_contrast_pixel"])
@@ -159,7 +159,7 @@ class RangePoint:
 
     @classmethod
     def of(cls, stored: JsonObject) -> Self:
-        """Return the point that :meth:`as_dict` wrote."""
+        """Return the point that ``as_dict`` wrote."""
         return cls(**stored)
 
 
@@ -216,7 +216,7 @@ class DetectionRange:
 
     @classmethod
     def of(cls, stored: JsonObject) -> Self:
-        """Return the range that :meth:`as_dict` wrote."""
+        """Return the range that ``as_dict`` wrote."""
         points = [RangePoint.of(point) for point in stored["points"]]
         return cls(**{**stored, "points": points, "tried": [TriedDetector(**one) for one in stored["tried"]]})
 
@@ -226,7 +226,7 @@ _MARK = "seaglint-detection-parts"
 
 @dataclass(frozen=True)
 class StudyParts(ResumableFolder):
-    """Folder ``RESULT.parts`` of an unfinished detection study; make it with :meth:`at`."""
+    """Folder ``RESULT.parts`` of an unfinished detection study; make it with ``at``."""
 
     @classmethod
     def at(cls, base: Path, *, resume: bool, overwrite: bool) -> StudyParts:

@@ -92,7 +92,7 @@ FORMAT: Final = "seaglint-sequence-1"  #: Value of the attribute ``seaglint_form
 
 UNFINISHED: Final = "unfinished"  #: Attribute of a sequence that is being written: the number of shares of its work.
 
-MOST_UNITS: Final = 256  #: Largest number of shards of a sequence, unless they would exceed :data:`MOST_BYTES`.
+MOST_UNITS: Final = 256  #: Largest number of shards of a sequence, unless they would exceed ``MOST_BYTES``.
 
 MOST_BYTES: Final = 256_000_000  #: Largest size of the arrays of a shard before compression [bytes].
 

@@ -45,7 +45,7 @@ class UnitTask:
         return cls(place.name, "" if claim.folder is None else str(Path(claim.folder).absolute()), claim.token)
 
 
-#: Callback that has units made elsewhere, by :func:`unit_maker`.
+#: Callback that has units made elsewhere, by ``unit_maker``.
 #:
 #: It yields outcomes as they finish; leaving the context cancels the rest.
 Spread = Callable[[UnitTask, Sequence[int]], AbstractContextManager[Iterator[UnitRecord | UnitFailure]]]
@@ -103,7 +103,7 @@ class MissingUnits:
     Raises
     ------
     StorageError, Interrupted
-        As :func:`seaglint.store.sequence_store.write_sequence`.
+        As ``seaglint.store.sequence_store.write_sequence``.
     """
 
     place: Place

@@ -75,7 +75,7 @@ def drop_quietly(error: BaseException | None) -> None:
 
 
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset with units, names and CF names at the variables of :mod:`seaglint.base.schema`; existing ones stay."""
+    """Return a dataset with units, names and CF names at the variables of ``seaglint.base.schema``; existing ones stay."""
     out = dataset.copy()
     for name in map(str, out.variables):
         if name in VARIABLES:
@@ -107,9 +107,9 @@ def coordinate_encoding(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
 
 
 def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = False) -> Path:
-    """Write a dataset; variables named in :mod:`seaglint.base.schema` get their CF attributes.
+    """Write a dataset; variables named in ``seaglint.base.schema`` get their CF attributes.
 
-    Unsigned integers of 16 bits that reach :data:`MISTAKEN` are stored as integers of 32 bits.
+    Unsigned integers of 16 bits that reach ``MISTAKEN`` are stored as integers of 32 bits.
 
     Raises
     ------

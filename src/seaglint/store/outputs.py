@@ -36,7 +36,7 @@ def _system_error(error: BaseException | None) -> OSError | None:
 
 @contextmanager
 def storage_errors(target: object, remedy: str | Callable[[], str]) -> Iterator[None]:
-    """Turn errors of the operating system into a :class:`StorageError`, with ``remedy`` where room or rights are missing.
+    """Turn errors of the operating system into a ``StorageError``, with ``remedy`` where room or rights are missing.
 
     A remedy that depends on the state of the disk at the time of the error is a function.
     """
@@ -139,7 +139,7 @@ def refuse_file_ending(folder: Path, what: str) -> Path:
     Raises
     ------
     DataError
-        The name ends in one of :data:`FILE_ENDINGS`.
+        The name ends in one of ``FILE_ENDINGS``.
     """
     if folder.suffix.lower() in FILE_ENDINGS:
         raise DataError(f"{folder}: {what} is a folder; give a name without {folder.suffix}, e.g. {folder.with_suffix('')}")
@@ -290,7 +290,7 @@ def read_json(path: Path, hint: str) -> Any:
     Raises
     ------
     DataError
-        As :func:`read_text`, and for a text that is no JSON or is cut.
+        As ``read_text``, and for a text that is no JSON or is cut.
     """
     return parsed_json(path, read_text(path, hint), hint)
 

@@ -81,9 +81,9 @@ def write_sequence(
         ``progress(done, total)``.
     share : Share, optional
         Make its units alone, in the unfinished sequence that is there or is made, at the same time as other shares or not; the name is
-        given by :func:`finish_sequence`.
+        given by ``finish_sequence``.
     spread : callable, optional
-        Has the units made elsewhere; see :data:`seaglint.store.missing_frames.Spread`. Without it they are made here, one after the other.
+        Has the units made elsewhere; see ``seaglint.store.missing_frames.Spread``. Without it they are made here, one after the other.
     attempts : int
         Number of attempts of a frame that raises here before it is left out and named at the end; at 1 its error is raised at once.
 
@@ -367,7 +367,7 @@ def _require_same(path: Path | str, layout: Layout) -> None:
 
 
 def is_sequence(path: Path | str) -> bool:
-    """Return true where a folder was written by :func:`write_sequence`, finished or not."""
+    """Return true where a folder was written by ``write_sequence``, finished or not."""
     return is_ours(path)
 
 

@@ -55,7 +55,7 @@ def count_line(variable: xr.DataArray) -> tuple[float, float]:
 
 
 def line_of(name: str, attributes: Mapping[str, Any]) -> tuple[float, float]:
-    """Return the line of :func:`count_line` of a variable by its name and attributes."""
+    """Return the line of ``count_line`` of a variable by its name and attributes."""
     if name != "signal":
         return 1.0, 0.0
     try:
@@ -155,7 +155,7 @@ class Summary:
     peak: float  #: Largest radiance [W m-2 sr-1].
     mean_apparent_temperature: float  #: Apparent temperature of the mean radiance [K].
     peak_apparent_temperature: float  #: Apparent temperature of the largest radiance [K].
-    glint_fraction: float  #: Share of the pixels more than :data:`GLINT_FACTOR` times as bright as a blackbody at the water's temperature.
+    glint_fraction: float  #: Share of the pixels more than ``GLINT_FACTOR`` times as bright as a blackbody at the water's temperature.
     non_finite: int  #: Pixels that are NaN or infinite.
 
     @property

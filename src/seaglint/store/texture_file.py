@@ -29,7 +29,7 @@ class StoredTexture:
     texture: Texture  #: GaussianTexture or AutobinomialTexture.
     source: Mapping[str, Any] = field(default_factory=dict)  #: File, region, size, units, frame rate of the data.
     fit: Mapping[str, Any] = field(default_factory=dict)  #: Errors of the parameters and criteria.
-    #: Agreement of samples and data (:meth:`seaglint.textures.quality.Comparison.as_dict`, and held-out data).
+    #: Agreement of samples and data (``seaglint.textures.quality.Comparison.as_dict``, and held-out data).
     quality: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()  #: Sentences on the fit.
 

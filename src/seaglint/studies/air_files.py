@@ -47,7 +47,7 @@ HIGHEST_CREST: Final = 30.0  #: Height of waves above the horizon that the longe
 
 
 def export_air(scenario: Scenario) -> xr.Dataset:
-    """Return spectra of the scenario's air at nodes, in the layout of :mod:`seaglint.formats.air_file`.
+    """Return spectra of the scenario's air at nodes, in the layout of ``seaglint.formats.air_file``.
 
     Radiance is in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1 for the Sun at 1 au.
 

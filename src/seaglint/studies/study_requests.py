@@ -115,7 +115,7 @@ class AnalysisRequest(ReadingRequest):
     """Request to analyse a recording.
 
     ``mask``, ``kernel`` and ``signature`` are arrays or :class:`~seaglint.studies.study_requests.WeightsFile`; filter and detectors are
-    names, or objects of :mod:`seaglint.clutter.filters` and :mod:`seaglint.detection`.
+    names, or objects of :mod:`seaglint.clutter.filters` and ``seaglint.detection``.
     """
 
     mask: Annotated[
@@ -241,7 +241,7 @@ class MeanRequest:
     """Request to map mean radiance and apparent temperature over the view of a scenario."""
 
     scenario: Annotated[
-        Path, Parameter("scenario file; 'seaglint init my.toml' writes one", metavar="SCENARIO.toml", python="See :func:`load`.")
+        Path, Parameter("scenario file; 'seaglint init my.toml' writes one", metavar="SCENARIO.toml", python="See :func:`sg.load`.")
     ]
     overwrite: Overwrite = False
 
@@ -266,7 +266,7 @@ class BandsRequest(EvaluationRequest):
             "wavelengths in um, e.g. 3.0-5.0; may be repeated",
             metavar="A-B",
             option="--band",
-            python="Bands inside the tables, as :func:`parse_bands` gives them.",
+            python="Bands inside the tables, as ``parse_bands`` gives them.",
         ),
     ] = ()
 

@@ -46,7 +46,7 @@ def classes(order: int, isotropic: bool = True) -> Classes:
     Raises
     ------
     DomainError
-        An order below 1 or above :data:`MOST_ORDER`.
+        An order below 1 or above ``MOST_ORDER``.
 
     References
     ----------
@@ -115,7 +115,7 @@ class Autobinomial:
     Raises
     ------
     DomainError
-        Levels outside 2 to :data:`MOST_LEVELS`, couplings that do not match the classes, numbers that are not finite, pairs named twice.
+        Levels outside 2 to ``MOST_LEVELS``, couplings that do not match the classes, numbers that are not finite, pairs named twice.
 
     References
     ----------

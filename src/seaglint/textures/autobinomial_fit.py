@@ -190,7 +190,7 @@ class AutobinomialFit:
     """Fitted autobinomial field."""
 
     model: Autobinomial  #: The field.
-    #: Covariance of :attr:`parameters` [(1 + classes, 1 + classes)]; NaN where the picture is too small to determine it.
+    #: Covariance of ``parameters`` [(1 + classes, 1 + classes)]; NaN where the picture is too small to determine it.
     covariance: FloatArray
     log_pseudo_likelihood: float  #: Log pseudo-likelihood of the picture at the fit, mean per pixel [nat].
     pixels: int  #: Number of fitted pixels, each with all its neighbours.
@@ -262,7 +262,7 @@ def fit(
     Parameters
     ----------
     image : array of int, (rows, columns)
-        Grey levels 0 to ``levels - 1`` (:class:`seaglint.textures.autobinomial_texture.GreyLevels` makes them of radiance).
+        Grey levels 0 to ``levels - 1`` (``seaglint.textures.autobinomial_texture.GreyLevels`` makes them of radiance).
     levels : int
         Grey levels of the field.
     order : int
@@ -287,7 +287,7 @@ def fit(
     Returns
     -------
     AutobinomialFit
-        Parameters with covariance, log pseudo-likelihood and regime. Read :attr:`AutobinomialFit.notes`.
+        Parameters with covariance, log pseudo-likelihood and regime. Read ``AutobinomialFit.notes``.
 
     Raises
     ------

@@ -23,7 +23,7 @@ from seaglint.base.optional import optional
 from seaglint.base.random import stream
 from seaglint.textures.autobinomial import Autobinomial, IntArray, check_shape, checked_field, colours
 
-PRECISION = 56  #: Number of bits of a probability that are used: the 53 of a double, and a multiple of :data:`UNROLLED`.
+PRECISION = 56  #: Number of bits of a probability that are used: the 53 of a double, and a multiple of ``UNROLLED``.
 
 UNROLLED = 4  #: Number of bits between two tests whether any trial is undecided: a quarter less time than a test after each.
 
@@ -131,7 +131,7 @@ def gibbs(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: NDArray[np
 
 @njit_parallel
 def gibbs_in_threads(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
-    """Run :func:`gibbs` with the rows of a colour divided among threads: pixels of one colour are no neighbours."""
+    """Run ``gibbs`` with the rows of a colour divided among threads: pixels of one colour are no neighbours."""
     for sweep in range(first, first + sweeps):
         first_word, second_word = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 1)
         for down in range(plan.row_starts.shape[0] - 1):
@@ -366,7 +366,7 @@ class Mixing:
 
     @property
     def mixed(self) -> bool:
-        """True if every R-hat is below :data:`LARGEST_RHAT`."""
+        """True if every R-hat is below ``LARGEST_RHAT``."""
         return bool((self.rhat < LARGEST_RHAT).all())
 
 

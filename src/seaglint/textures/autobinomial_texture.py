@@ -1,6 +1,6 @@
 """Texture of an autobinomial field: grey levels of the field, and the values that they represent.
 
-:class:`GreyLevels` converts radiance to grey levels and back. :func:`fit_texture` fits a texture and chooses the sampler.
+``GreyLevels`` converts radiance to grey levels and back. ``fit_texture`` fits a texture and chooses the sampler.
 """
 
 from __future__ import annotations
@@ -176,7 +176,7 @@ class AutobinomialTexture:
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> AutobinomialTexture:
-        """Read the output of :meth:`to_dict`.
+        """Read the output of ``to_dict``.
 
         Raises
         ------
@@ -243,7 +243,7 @@ def fit_texture(
     Raises
     ------
     DataError, DomainError
-        Errors of the fit and of :class:`seaglint.textures.autobinomial_texture.GreyLevels`.
+        Errors of the fit and of ``seaglint.textures.autobinomial_texture.GreyLevels``.
     """
     grey = GreyLevels.of(image, levels)
     picture = grey.to_levels(image)

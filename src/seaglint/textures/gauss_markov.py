@@ -270,6 +270,6 @@ def conditional(model: GaussMarkov, field: ArrayLike) -> tuple[FloatArray, Float
 
 
 def pseudo_log_likelihood(model: GaussMarkov, field: ArrayLike) -> float:
-    """Mean log density of a pixel given its neighbours (Besag 1975) [per pixel]; arguments as in :func:`conditional`."""
+    """Mean log density of a pixel given its neighbours (Besag 1975) [per pixel]; arguments as in ``conditional``."""
     expected, actual = conditional(model, field)
     return float(-0.5 * math.log(2.0 * math.pi * model.variance) - 0.5 * np.mean((actual - expected) ** 2) / model.variance)

@@ -197,7 +197,7 @@ class _Likelihood:
         return np.asarray(0.25 * np.outer(scale, scale) * both)
 
     def row(self, squared: FloatArray, offsets: Sequence[Offset], joining: Offset) -> FloatArray:
-        """Row of :meth:`information` for an added pair, its own entry last."""
+        """Row of ``information`` for an added pair, its own entry last."""
         every = np.array([(0, 0, 0), *offsets, joining])
         scale = np.where(np.arange(len(every)) == 0, 1.0, -2.0)
         return np.asarray(-0.5 * scale * (_read(squared, every + np.array(joining)) + _read(squared, every - np.array(joining))))
@@ -259,7 +259,7 @@ def fit(
     offsets : sequence of (int, int, int) or (int, int)
         Neighbours (frames, rows, columns) or (rows, columns), one of each pair.
     periodic : bool
-        Whether the field is a torus; the likelihood is then exact. Of :class:`Covariances` it is theirs.
+        Whether the field is a torus; the likelihood is then exact. Of ``Covariances`` it is theirs.
     start : sequence of float, optional
         Coefficients to begin at, which the optimum does not depend on; 0 by default.
 

@@ -63,7 +63,7 @@ class GaussianTexture:
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> GaussianTexture:
-        """Read the output of :meth:`to_dict`.
+        """Read the output of ``to_dict``.
 
         Raises
         ------
@@ -94,7 +94,7 @@ class TextureFit:
 
 
 def neighbours(shape: Sequence[int], reach: Sequence[int] = REACH) -> tuple[tuple[int, int, int], ...]:
-    """Candidate pairs for a field of that shape: all within ``reach``, in other frames no farther than :data:`SPACE_IN_TIME`.
+    """Candidate pairs for a field of that shape: all within ``reach``, in other frames no farther than ``SPACE_IN_TIME``.
 
     Frames are compared where there are eight of them or more.
     """
@@ -115,7 +115,7 @@ def fit_texture(
     data : array_like, shape (rows, columns) or (frames, rows, columns)
         [u], without missing values.
     tails : str
-        Distribution of the pixels, one of :data:`seaglint.textures.marginals.TAILS`.
+        Distribution of the pixels, one of ``seaglint.textures.marginals.TAILS``.
     reach : (int, int, int)
         Farthest neighbours tried [frames, rows, columns].
     product : bool, optional

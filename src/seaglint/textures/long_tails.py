@@ -38,7 +38,7 @@ PILOT: Final = 600_000  #: Number of pixels of the samples that are compared wit
 class Tail:
     """Tail rates and length of the filtered picture that are matched."""
 
-    rates: FloatArray  #: Share of the pixels above each of :data:`THRESHOLDS` [1, (3,)].
+    rates: FloatArray  #: Share of the pixels above each of ``THRESHOLDS`` [1, (3,)].
     counts: FloatArray  #: Pixels above. Shape (3,).
     #: Correlation of the filtered picture's absolute values at distances of 3 to 8 pixels, mean of rows and columns [1].
     clusters: FloatArray
@@ -102,7 +102,7 @@ def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, see
     modulation : Modulation or None
         None where the marginal transform alone is as near, or nearer.
     misfit : ndarray, shape (3,)
-        Remaining log ratios of the rates at :data:`THRESHOLDS`.
+        Remaining log ratios of the rates at ``THRESHOLDS``.
     """
     target = tail(data)
     shape = pilot_shape(model, np.shape(data)[0])

@@ -64,7 +64,7 @@ class Marginal:
         An unknown kind, or parameters outside their range.
     """
 
-    kind: Tails = "gaussian"  #: One of :data:`TAILS`.
+    kind: Tails = "gaussian"  #: One of ``TAILS``.
     loc: float = 0.0  #: Location of the family [u].
     scale: float = 1.0  #: Scale of the family [u]; below 0 it reverses it: a long tail on the dark side.
     shape: float | None = None  #: Shape of gamma (k), lognormal (s of the logarithm) and K (v); None for the others.
@@ -119,7 +119,7 @@ class Marginal:
     def hermite(self) -> FloatArray:
         """Hermite coefficients ``c_n sqrt(n!)`` for n = 0 ...
 
-        :data:`TERMS` [u]: mean, then amplitudes whose squares sum to the variance.
+        ``TERMS`` [u]: mean, then amplitudes whose squares sum to the variance.
         """
         nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
         weights = weights / weights.sum()
@@ -247,7 +247,7 @@ def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
     values : array_like
         Pixels [u], of any correlation.
     tails : str
-        One of :data:`TAILS`.
+        One of ``TAILS``.
 
     Returns
     -------

@@ -107,7 +107,7 @@ def climb(
     Parameters
     ----------
     levels, sums : array
-        Arrays from :func:`neighbour_sums`.
+        Arrays from ``neighbour_sums``.
     first : Autobinomial
         Field with the levels and classes of the sums; its parameters are not used.
     start : array, (1 + classes,), optional

@@ -31,7 +31,7 @@ FRAMES: Final = 12  #: Number of frames whose spectra, correlations in space and
 
 TIMES: Final = 25  #: Largest number of frames between compared pixels.
 
-SQUARES: Final = (64, 32, 16)  #: Sides of the squares of the compared spectra [px]: the largest of which there are :data:`FEWEST` in both.
+SQUARES: Final = (64, 32, 16)  #: Sides of the squares of the compared spectra [px]: the largest of which there are ``FEWEST`` in both.
 
 #: Least number of squares of a spectrum: their mean periodogram scatters by some 1 dB.
 #:
@@ -148,7 +148,7 @@ class TextureDistances:
     correlation_distance: float  #: Rms difference of the correlations in space [1].
     time_correlation_distance: float | None  #: Rms difference of the correlations in time [1]; None without time.
     cooccurrence: dict[str, FeaturePair]  #: Features of co-occurring grey levels by name.
-    fails: list[str]  #: Sentences on the measures that differ by more than :data:`LIMITS`.
+    fails: list[str]  #: Sentences on the measures that differ by more than ``LIMITS``.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and words."""
@@ -196,7 +196,7 @@ def _values(a: FloatArray, b: FloatArray) -> ValueDistances:
 
 
 def _fails(distances: TextureDistances) -> list[str]:
-    """Sentences on the measures that differ by more than :data:`LIMITS`."""
+    """Sentences on the measures that differ by more than ``LIMITS``."""
     out = []
     for entry in distances.filtered_rates:
         ratio, most = entry.second_over_first, LIMITS["rate_factor"]

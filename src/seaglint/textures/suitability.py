@@ -33,7 +33,7 @@ PARTS: Final = 3  #: Number of rows and columns of parts whose standard deviatio
 
 SAMPLED: Final = 64  #: Number of rows and columns in which slow changes are measured, evenly spread over the region.
 
-#: Upper 95 % of chi-square with :data:`TERMS` degrees of freedom over its mean, and of the range of 9 normal deviates.
+#: Upper 95 % of chi-square with ``TERMS`` degrees of freedom over its mean, and of the range of 9 normal deviates.
 BY_CHANCE: Final = (1.7, 4.4)
 
 #: Largest allowance for chance; a region of a few correlation lengths resembles a slow change and is no texture either.

@@ -59,7 +59,7 @@ class Modulation:
 
     @classmethod
     def from_dict(cls, held: Mapping[str, Any]) -> Modulation:
-        """Read the output of :meth:`to_dict`."""
+        """Read the output of ``to_dict``."""
         t, y, x = map(float, held["lengths"])
         return cls(float(held["shape"]), (t, y, x))
 

@@ -137,7 +137,7 @@ def exceedances(
     sigma : float
         Threshold above the mean [standard deviations of the filtered frame in the region].
     filter_name : str
-        One of :data:`seaglint.clutter.filters.NAMES`, or ``"none"``.
+        One of ``seaglint.clutter.filters.NAMES``, or ``"none"``.
     where : Rectangle, optional
         Region; the whole frame by default.
 

@@ -42,7 +42,7 @@ class Layer:
     unit: str  #: Unit on the page.
     read: Callable[[int], NDArray[np.floating[Any]]] = field(repr=False)  #: ``read(index)`` gives the image (rows, columns).
     saturation: float | None = None  #: Value at which the format or the detector saturates.
-    blur_px: float | None = None  #: Blur of the images, as in :class:`seaglint.analysis.Recording` [px].
+    blur_px: float | None = None  #: Blur of the images, as in ``seaglint.analysis.Recording`` [px].
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class ObjectBox:
 
 @dataclass(frozen=True)
 class FileContent:
-    """Content of a file: frames and attributes as in :class:`~seaglint.viewer.frame_source.ViewerSource`."""
+    """Content of a file: frames and attributes as in ``ViewerSource``."""
 
     frames: int  #: Number of frames.
     rows: int  #: Rows of an image.
@@ -78,7 +78,7 @@ class FileContent:
 
 
 def open_path(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> FileContent:
-    """Open the file or folder at a path; arguments as in :func:`~seaglint.formats.recording.open_recording`.
+    """Open the file or folder at a path; arguments as in ``open_recording``.
 
     Raises
     ------
@@ -278,7 +278,7 @@ class GoneError(DataError):
 
 
 class ViewerSource:
-    """Frames, layers, truth and directions of one file; see :func:`open_source`.
+    """Frames, layers, truth and directions of one file; see ``open_source``.
 
     A file that was replaced is opened again. A missing file raises :class:`~seaglint.base.errors.DataError` until it exists again.
     """
@@ -400,7 +400,7 @@ class ViewerSource:
             return [] if read_boxes is None else read_boxes(index)
 
     def directions(self, index: int) -> tuple[Image, Image] | None:
-        """Return azimuth and elevation [deg] as :func:`seaglint.store.stored_images.directions` does; None where they are not known."""
+        """Return azimuth and elevation [deg] as ``seaglint.store.stored_images.directions`` does; None where they are not known."""
         with self._lock:
             read_directions = self.opened.directions
             return None if read_directions is None else read_directions(index)
@@ -408,7 +408,7 @@ class ViewerSource:
     def trace(
         self, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the values of a pixel in at most :data:`MOST_TRACED` frames, around one or with ``spread`` over the whole sequence."""
+        """Return the values of a pixel in at most ``MOST_TRACED`` frames, around one or with ``spread`` over the whole sequence."""
         done = self.done()
         if spread:
             frames = evenly(done, MOST_TRACED)
@@ -464,7 +464,7 @@ def open_source(path: str | Path, variable: str | None = None, channel: str | No
     path : path
         File, store, folder of images, or pattern.
     variable, channel, axes : str, optional
-        Name of the array in a file that holds several, channel, and order of axes, as in :func:`seaglint.formats.recording.open_recording`.
+        Name of the array in a file that holds several, channel, and order of axes, as in ``seaglint.formats.recording.open_recording``.
 
     Raises
     ------

@@ -35,7 +35,7 @@ class Library:
     folder : path, optional
         Folder of further files; the folders of the given files by default.
     variable, channel, axes : str, optional
-        Name of the array in files that hold several, channel, and order of axes, as in :func:`seaglint.formats.recording.open_recording`.
+        Name of the array in files that hold several, channel, and order of axes, as in ``seaglint.formats.recording.open_recording``.
 
     Raises
     ------
@@ -93,7 +93,7 @@ class Library:
         return Path(path).name
 
     def source(self, number: int) -> ViewerSource:
-        """Return the source of a number, opened if necessary; beyond :data:`MOST_OPEN`, the source not used for longest is closed.
+        """Return the source of a number, opened if necessary; beyond ``MOST_OPEN``, the source not used for longest is closed.
 
         Raises
         ------

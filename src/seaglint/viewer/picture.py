@@ -95,7 +95,7 @@ class Show:
     source: ViewerSource  #: Displayed frames.
     layer: str | None = None  #: Layer of both sources.
     minus: ViewerSource | None = None  #: Frames that are subtracted from them one by one; None subtracts none.
-    kind: str = "percentile"  #: One of :data:`seaglint.viewer.picture.KINDS`.
+    kind: str = "percentile"  #: One of ``seaglint.viewer.picture.KINDS``.
     fixed: bool = True  #: Flag: one scale for all frames, from some of them; otherwise a scale for each frame.
     limits: tuple[float, float] | None = None  #: Ends of a linear scale, given by hand.
 

@@ -285,7 +285,7 @@ def require_installed() -> None:
 
 
 def make_app(library: Library, pages: Sequence[Page] = (), *, host: str = "127.0.0.1", token: str | None = None) -> Application:
-    """Return the ASGI application: sequences at ``/``, the pages at their paths, behind the :class:`~seaglint.viewer.server.Guard`."""
+    """Return the ASGI application: sequences at ``/``, the pages at their paths, behind the ``Guard``."""
     from seaglint.viewer.routes import routes
 
     links = [{"path": page.path, "title": page.title} for page in pages]
@@ -313,7 +313,7 @@ def _with_pages(addresses: list[Any], pages: Sequence[Page]) -> Any:
 
 
 def bind(host: str, port: int | None) -> socket.socket:
-    """Return a socket that listens at ``port``, or at the first free one from :data:`PORT` on by default.
+    """Return a socket that listens at ``port``, or at the first free one from ``PORT`` on by default.
 
     Raises
     ------

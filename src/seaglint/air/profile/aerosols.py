@@ -81,7 +81,7 @@ def aerosols(profile: AirProfile, weather: HazeWeather, wavenumber_cm: FloatArra
     """Return the aerosols of a profile on channels [cm-1, (n,)].
 
     ``humidity`` [%] is the boundary layer's, for hazes with a table over humidity: LOWTRAN7 takes the mean along a path, weighted by
-    the haze (:func:`mean_humidity`). The Navy's haze takes the humidity of the lowest level.
+    the haze (``mean_humidity``). The Navy's haze takes the humidity of the lowest level.
     """
     tables, um = lowtran_numbers(), 1e4 / wavenumber_cm
     surface = profile.relative_humidity[0] if profile.haze_humidity is None else profile.haze_humidity

@@ -176,7 +176,7 @@ class AirProfile:
     pressure: FloatArray  #: Pressure [hPa, (levels,)].
     temperature: FloatArray  #: Temperature [K, (levels,)].
     vapour: FloatArray  #: Water vapour [g m-3, (levels,)].
-    gas: FloatArray  #: Mixing ratios of :data:`GASES` [1e-6 of the volume, (12, levels)].
+    gas: FloatArray  #: Mixing ratios of ``GASES`` [1e-6 of the volume, (12, levels)].
     earth_radius: float  #: LOWTRAN7's radius of the Earth for the latitude of the model [m].
     season: str  #: ``spring`` (and summer) or ``fall`` (and winter), which the aerosol above 2 km follows.
     haze_humidity: float | None = None  #: Relative humidity of the Navy's haze [%]; None for the humidity of the lowest level.

@@ -7,7 +7,7 @@ r"""Transmittance and thermal emission along any ray through a profile, with ban
 Emission follows the temperature at the place. Densities are exponential between the profile's levels, as in LOWTRAN7; amounts between two
 nodes are exact vertical sums times the ray's mean slope, so that a profile may have any number of levels.
 
-The wind affects the aerosol alone: the optical depths of the gases along rays are cached (:class:`GasRays`) and serve hazes of other winds.
+The wind affects the aerosol alone: the optical depths of the gases along rays are cached (``GasRays``) and serve hazes of other winds.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class GasRay:
 
 @dataclass(eq=False)
 class GasRays:
-    """Cache of rays of one profile on some channels; beyond :data:`MOST_BYTES` the least recently used are dropped."""
+    """Cache of rays of one profile on some channels; beyond ``MOST_BYTES`` the least recently used are dropped."""
 
     _cached: OrderedDict[Hashable, GasRay] = field(default_factory=OrderedDict)
     _size: int = 0
@@ -111,7 +111,7 @@ class RaySpectra:
 
 @dataclass(frozen=True, eq=False)
 class _Densities:
-    """Densities over height, exponential between levels, linear next to a zero. Make it with :meth:`of`."""
+    """Densities over height, exponential between levels, linear next to a zero. Make it with ``of``."""
 
     height: FloatArray  #: Levels [km, (levels,)].
     density: FloatArray  #: Densities [(rows, levels)].
@@ -281,11 +281,11 @@ class AirSums:
         return np.asarray((vertical * slope[:, None]).reshape(-1, CUTS, vertical.shape[1]).sum(axis=1))
 
     def along(self, height: float, zenith: float, end: float | None = None) -> RaySpectra:
-        """Spectra along a ray from a height [m] at a zenith angle [rad], continuous; ``end`` as :meth:`RefractingAir.ray`."""
+        """Spectra along a ray from a height [m] at a zenith angle [rad], continuous; ``end`` as ``RefractingAir.ray``."""
         return self.along_each(height, [zenith], end)[0]
 
     def along_each(self, height: float, zenith: Sequence[float], end: float | None = None) -> list[RaySpectra]:
-        """Spectra along several rays, as :meth:`along`."""
+        """Spectra along several rays, as ``along``."""
 
         def computed(which: Sequence[int]) -> list[GasRay]:
             # lowest points are found together, all else ray by ray: its arrays stay in the processor's cache
@@ -305,11 +305,11 @@ class AirSums:
         return [every[at : at + path.length.size // CUTS] for path, at in zip(paths, first, strict=True)]
 
     def passed(self, height: float, zenith: float) -> FloatArray:
-        """Transmittance [1, (n,)] of the whole ray of :meth:`along`, at a fraction of its cost."""
+        """Transmittance [1, (n,)] of the whole ray of ``along``, at a fraction of its cost."""
         return np.asarray(self.passed_each(height, [zenith])[0])
 
     def passed_each(self, height: float, zenith: Sequence[float]) -> FloatArray:
-        """Transmittance [1, (rays, n)] of several whole rays, as :meth:`passed`."""
+        """Transmittance [1, (rays, n)] of several whole rays, as ``passed``."""
 
         def computed(which: Sequence[int]) -> list[GasRay]:
             return [self._passed_ray(ray) for ray in self.air.rays(height, [zenith[k] for k in which])]
@@ -348,7 +348,7 @@ class AirSums:
         return self.between_each(height, target, [length])[0]
 
     def between_each(self, height: float, target: float, lengths: Sequence[float]) -> list[tuple[FloatArray, FloatArray]]:
-        """Transmittance [1, (n,)] and emission [W m-2 sr-1 per cm-1, (n,)] of paths of some lengths [m], as :meth:`between`."""
+        """Transmittance [1, (n,)] and emission [W m-2 sr-1 per cm-1, (n,)] of paths of some lengths [m], as ``between``."""
 
         def computed(which: Sequence[int]) -> list[GasRay]:
             lines = [self.cut_line(height, target, lengths[k]) for k in which]
@@ -407,7 +407,7 @@ class AirSums:
         return np.asarray(amounts.reshape(-1, CUTS, amounts.shape[1]).sum(axis=1))
 
     def layer_humidity(self, height: float, zenith: float) -> float:
-        """Humidity [%] that LOWTRAN7 gives a humid haze along the ray of :meth:`in_layers`."""
+        """Humidity [%] that LOWTRAN7 gives a humid haze along the ray of ``in_layers``."""
         return _path_humidity(self._layer_amounts(self.air.layered_ray(height, zenith, None, PARTS)[0]))
 
     def in_layers(self, height: float, zenith: float, end: float | None = None) -> RaySpectra:

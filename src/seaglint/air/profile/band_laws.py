@@ -83,12 +83,12 @@ class BandNumbers:
     #: Gas and exponents of relative pressure and of 273.15 K / T of each scaled amount, by number.
     scaled: Mapping[int, tuple[str, float, float]]
     #: Temperature of the law by which water's own continuum grows in cold air [K]; 0 for LOWTRAN7's, linear from 296 down to 260 K. One law
-    #: serves all channels of a sum: see :meth:`cold_law`.
+    #: serves all channels of a sum: see ``cold_law``.
     cold_kelvin: float
     provenance: JsonObject  #: Where the numbers are from.
 
     def cold_law(self, wavenumber_cm: FloatArray) -> float:
-        """Return :attr:`cold_kelvin` for some channels [K]: LOWTRAN7's where all numbers are its own."""
+        """Return ``cold_kelvin`` for some channels [K]: LOWTRAN7's where all numbers are its own."""
         return 0.0 if wavenumber_cm[0] >= LOWTRAN_FROM else self.cold_kelvin
 
 
@@ -175,10 +175,10 @@ def _free_row(column: NDArray[np.int64], first: int, channels: NDArray[np.intp])
 
 @dataclass(frozen=True, eq=False)
 class BandLaws:
-    """Laws of some channels. Make them with :meth:`of`."""
+    """Laws of some channels. Make them with ``of``."""
 
     wavenumber_cm: FloatArray  #: Channels [cm-1, (n,)].
-    continuum: FloatArray  #: Coefficients in the order of :data:`LINEAR` [(10, n)].
+    continuum: FloatArray  #: Coefficients in the order of ``LINEAR`` [(10, n)].
     gases: GasBands  #: Bands.
     source: FloatArray  #: Sunlight outside the air at 1 au [W m-2 per cm-1, (n,)].
     numbers: BandNumbers  #: Exponents of the amounts, and where the numbers are from.
@@ -207,7 +207,7 @@ class BandLaws:
         return [*LINEAR, *self.gases.numbers]
 
     def optical_depth(self, amount: FloatArray) -> FloatArray:
-        """Optical depth [1, (paths, n)] of amounts [(paths, columns)] in the order of :attr:`columns`."""
+        """Optical depth [1, (paths, n)] of amounts [(paths, columns)] in the order of ``columns``."""
         column, power, coefficient = self._saturating
         rows = amount[:, len(LINEAR) :]
         depth = amount[:, : len(LINEAR)] @ self.continuum + np.maximum(rows[:, column], 0.0) ** power @ coefficient

@@ -23,13 +23,13 @@ GROWTH: Final = 1.2  #: Ratio of the distances of neighbouring nodes from the se
 
 THICKEST: Final = ((0.0, 250.0), (12e3, 1e3), (30e3, 5e3))  #: Largest thickness of a piece [m] above heights [m].
 
-#: Largest thickness of a piece [m] above heights [m] in a profile of more than :data:`MOST_NODE_LEVELS` levels.
+#: Largest thickness of a piece [m] above heights [m] in a profile of more than ``MOST_NODE_LEVELS`` levels.
 THICKEST_OF_MANY: Final = ((0.0, 25.0), (2e3, 100.0), (5e3, 250.0), (12e3, 500.0), (30e3, 5e3))
 
 #: Largest number of levels of a profile for which every level is a node of every ray; with more levels means between nodes are taken.
 MOST_NODE_LEVELS: Final = 100
 
-NEARLY_LEVEL: Final = 0.003  #: Cosine of the zenith angle at its lower end below which a ray has nodes :data:`ABOVE_LOWEST` there.
+NEARLY_LEVEL: Final = 0.003  #: Cosine of the zenith angle at its lower end below which a ray has nodes ``ABOVE_LOWEST`` there.
 
 #: Heights of nodes above the lowest point of a ray [m], on either side of which it passes most air.
 ABOVE_LOWEST: Final = (4.0, 16.0, 60.0, 130.0, 300.0, 600.0)
@@ -69,7 +69,7 @@ class BentRay:
 class RefractingAir:
     """Refractivity over heights, exponential between levels, around an Earth of a radius.
 
-    Make it with :meth:`of`, or directly if no gradient is to be reduced.
+    Make it with ``of``, or directly if no gradient is to be reduced.
     """
 
     height: FloatArray  #: Heights of the levels [m, (levels,)].
@@ -78,7 +78,7 @@ class RefractingAir:
 
     @classmethod
     def of(cls, height: FloatArray, refractivity: FloatArray, earth_radius: float) -> RefractingAir:
-        """Air that traps no ray: steeper gradients are reduced to :data:`STEEPEST` of the critical one, from the top down."""
+        """Air that traps no ray: steeper gradients are reduced to ``STEEPEST`` of the critical one, from the top down."""
         n = np.maximum(refractivity, 1e-20).copy()
         # from the top down, as the limit at a level follows from the level above
         for i in range(n.size - 2, -1, -1):
@@ -167,7 +167,7 @@ class RefractingAir:
         return self.rays(height, [zenith], end)[0]
 
     def rays(self, height: float, zenith: Sequence[float], end: float | None = None) -> list[BentRay]:
-        """Follow several rays from one height, as :meth:`ray`: their lowest points are found together."""
+        """Follow several rays from one height, as ``ray``: their lowest points are found together."""
         return [self._followed(height, *start, end, None) for start in self._starts(height, zenith)]
 
     def layered_ray(self, height: float, zenith: float, end: float | None = None, parts: int = 12) -> tuple[BentRay, NDArray[np.intp]]:

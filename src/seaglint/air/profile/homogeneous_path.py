@@ -64,7 +64,7 @@ def homogeneous_spectrum(
     band_um : (float, float)
         Shortest and longest wavelength [um], within 0.7-14.7.
     ppmv : dict of float
-        Gases of :data:`~seaglint.air.profile.air_profile.GASES` but water [1e-6 of the volume of dry air]; 0 for gases not named.
+        Gases of ``GASES`` but water [1e-6 of the volume of dry air]; 0 for gases not named.
         Nitrogen and oxygen have their shares of air and, with ``lblrtm``, absorb in RRTMGP's bands of them, 2390-2680 and 1480-1800 cm-1.
     spectroscopy : str
         Numbers of the band laws: ``lblrtm`` or ``lowtran7``.

@@ -174,7 +174,7 @@ def with_marine_layer(profile: AirProfile, wind_speed: float, sea_kelvin: float,
     Parameters
     ----------
     profile : AirProfile
-        The air above :data:`JOINED_AT`; its relative humidity at 10 m and its pressures stay unchanged.
+        The air above ``JOINED_AT``; its relative humidity at 10 m and its pressures stay unchanged.
     wind_speed : float
         At 10 m [m s-1].
     sea_kelvin, air_minus_sea : float

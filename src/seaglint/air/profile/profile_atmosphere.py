@@ -1,13 +1,13 @@
 """Air of a profile as an atmosphere: spectra of paths, sky and sunlight, splined between rays that are computed on first use.
 
-A path is named by height and range, over the straight lines of :mod:`seaglint.base.conventions`; the sky between the horizontal and the
+A path is named by height and range, over the straight lines of ``seaglint.base.conventions``; the sky between the horizontal and the
 sea's horizon by its share of the dip. So the camera's standard refraction and the profile's refraction meet at the same horizon.
 
-**Nodes.** A sounding may have any layers, so nodes are added where a spline needs them (:func:`refined_nodes`). Two splines, each through
+**Nodes.** A sounding may have any layers, so nodes are added where a spline needs them (``refined_nodes``). Two splines, each through
 every other node, are compared with the nodes left out. Where they differ much, rays are added in the middle between nodes until the spline
 agrees with them. Smooth air costs no ray more than the first nodes.
 
-**Many winds.** :class:`WindyAir` gives transmittance and sunlight of one profile at many winds, without emission, for likelihoods of
+**Many winds.** ``WindyAir`` gives transmittance and sunlight of one profile at many winds, without emission, for likelihoods of
 sunlight. Transmittance is ``exp(-gases - aerosol)`` and the wind affects the aerosol alone: gases are summed once, the aerosol per wind.
 """
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 LIMIT: Final = 0.01  #: Error between nodes from which on one more is added [K].
 
-#: Error of a node left out, in parts of :data:`LIMIT`, from which on its neighbourhood is checked: with twice the nodes a smooth spline is
+#: Error of a node left out, in parts of ``LIMIT``, from which on its neighbourhood is checked: with twice the nodes a smooth spline is
 #: 16 times better, one over a corner at least 2 times.
 SUSPECT: Final = 4.0
 
@@ -95,7 +95,7 @@ class RefinedNodes(NamedTuple):
 
 
 def refined_nodes(place: FloatArray, values: Values, errors: Errors) -> RefinedNodes:
-    """Add nodes until a spline through them is within :data:`LIMIT` in the middle of every checked interval.
+    """Add nodes until a spline through them is within ``LIMIT`` in the middle of every checked interval.
 
     Parameters
     ----------
@@ -277,7 +277,7 @@ class ProfileAtmosphere(ClearAir):
         return np.asarray(error / np.sum(radiance_of(self.wavenumber_cm, warm + 1.0) - sea))
 
     def _sky_errors(self, splined: FloatArray, values: FloatArray) -> FloatArray:
-        """Errors of splined brightness temperatures of the sky in band temperature [K]; colder sky counts as at :data:`COLD`."""
+        """Errors of splined brightness temperatures of the sky in band temperature [K]; colder sky counts as at ``COLD``."""
         warm = np.maximum(values, COLD)
         slope = radiance_of(self.wavenumber_cm, warm + 1.0) - radiance_of(self.wavenumber_cm, warm)
         error = radiance_of(self.wavenumber_cm, splined) - radiance_of(self.wavenumber_cm, values)
@@ -358,7 +358,7 @@ class ProfileAtmosphere(ClearAir):
         return self.path(height, range_m, target_height)[1]
 
     def _sun(self, height: float) -> CubicSpline[np.float64]:
-        """Spline of the encoded optical depth towards the Sun from a height over :func:`_sky_coordinate`, down to the sea's horizon."""
+        """Spline of the encoded optical depth towards the Sun from a height over ``_sky_coordinate``, down to the sea's horizon."""
         cached = self._suns.get(height)
         if cached is not None:
             return cached
@@ -419,7 +419,7 @@ class ProfileAtmosphere(ClearAir):
         return out
 
     def _sky(self, height: float, top: float) -> CubicSpline[np.float64]:
-        """Spline of the sky's brightness temperature over :func:`_sky_coordinate` of the camera's elevations, up to ``top`` [rad]."""
+        """Spline of the sky's brightness temperature over ``_sky_coordinate`` of the camera's elevations, up to ``top`` [rad]."""
         cached = self._skies.get((height, top))
         if cached is not None:
             return cached
@@ -463,7 +463,7 @@ def _sky_coordinate(elevation: ArrayLike) -> FloatArray:
 
 
 def _sky_elevation(coordinate: ArrayLike) -> FloatArray:
-    """Inverse of :func:`_sky_coordinate` [rad]."""
+    """Inverse of ``_sky_coordinate`` [rad]."""
     return np.asarray(SKY_SCALE * np.sinh(coordinate))
 
 
@@ -482,7 +482,7 @@ class _JoinedPaths:
 
 @dataclass(frozen=True, eq=False)
 class WindyAir:
-    """Profile with the Navy's aerosol at any wind. Make it with :meth:`of`.
+    """Profile with the Navy's aerosol at any wind. Make it with ``of``.
 
     Examples
     --------
@@ -529,7 +529,7 @@ class WindyAir:
 
 @dataclass(frozen=True, eq=False)
 class AirAtWind:
-    """Transmittance and sunlight of :class:`WindyAir` at one wind."""
+    """Transmittance and sunlight of ``WindyAir`` at one wind."""
 
     air: WindyAir  #: Gases, which do not depend on the wind.
     sums: AirSums  #: Aerosol at the wind.

@@ -1,7 +1,7 @@
 """Scatterers of any profile and haze, and scattered sunlight of many cases.
 
-:mod:`seaglint.air.scattering` sums single scattering of sunlight over these scatterers. Cases that each have a wind, height, direction and
-Sun are computed line by line, without a table (:func:`scattered_cases`).
+``seaglint.air.scattering`` sums single scattering of sunlight over these scatterers. Cases that each have a wind, height, direction and
+Sun are computed line by line, without a table (``scattered_cases``).
 """
 
 from __future__ import annotations
@@ -168,7 +168,7 @@ def scattering_air(
     continuous: bool = False,
     spectroscopy: Spectroscopy = "lblrtm",
 ) -> ScatteringAir:
-    """Return :class:`Scatterers` of a profile on channels [cm-1, (n,)] with one haze."""
+    """Return ``Scatterers`` of a profile on channels [cm-1, (n,)] with one haze."""
     return Scatterers(profile, wavenumber_cm, refracted_cm, continuous=continuous, spectroscopy=spectroscopy).with_haze(haze, humidity)
 
 

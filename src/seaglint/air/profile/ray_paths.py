@@ -24,9 +24,9 @@ FINEST: Final = ((0.0, 5.0), (200.0, 25.0), (2e3, 200.0), (12e3, 1e3))
 
 ABOVE: Final = 2e5  #: Height above the last level up to which rays are followed, without air [m].
 
-MOST_LEVELS: Final = 400  #: Largest number of levels that are all used; larger profiles are sampled at steps of :data:`DENSE`.
+MOST_LEVELS: Final = 400  #: Largest number of levels that are all used; larger profiles are sampled at steps of ``DENSE``.
 
-DENSE: Final = ((0.0, 1.0), (100.0, 5.0), (500.0, 25.0), (2e3, 200.0), (12e3, 1e3))  #: As :data:`FINEST`, for profiles of many levels.
+DENSE: Final = ((0.0, 1.0), (100.0, 5.0), (500.0, 25.0), (2e3, 200.0), (12e3, 1e3))  #: As ``FINEST``, for profiles of many levels.
 
 HIGHEST: Final = 0.01  #: Elevation up to which a ray in a duct may come back to the sea [rad].
 
@@ -100,7 +100,7 @@ class LayeredIndex:
     def paths(self, height: float, elevation: FloatArray, farthest: float) -> RayPaths:
         """Follow rays from a height [m] at elevations [rad, (rays,)] up to an arc [m].
 
-        Errors come from gradients that are constant within :data:`FINEST` (1e-6 rad over 30 km); steps cause none.
+        Errors come from gradients that are constant within ``FINEST`` (1e-6 rad over 30 km); steps cause none.
         """
         zeta, log_m = self.levels
         start = self.earth_radius * np.log1p(height / self.earth_radius)

@@ -48,7 +48,7 @@ class GasBand:
 
 @dataclass(frozen=True, eq=False)
 class GasBands:
-    """Bands of all gases on some channels, gas by gas. Make them with :meth:`of`."""
+    """Bands of all gases on some channels, gas by gas. Make them with ``of``."""
 
     numbers: list[int]  #: Numbers of the scaled amounts, among which the bands' columns count from 0.
     bands: tuple[GasBand, ...]  #: Bands, gas by gas.

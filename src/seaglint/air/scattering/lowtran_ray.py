@@ -235,7 +235,7 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
 
 @njit
 def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
-    """Add :func:`layer_part` of the layers first...last - 1 from level to level."""
+    """Add ``layer_part`` of the layers first...last - 1 from level to level."""
     grid = laws.grid
     columns, nodes = out.size, grid.invariant.shape[1]
     turn, bending = 0.0, 0.0
@@ -260,7 +260,7 @@ def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarra
 
 @njit
 def rise(laws: Laws, low: float, high: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
-    """Add :func:`layer_part` of a ray between any two heights; parts of layers thinner than 0.1 m are omitted."""
+    """Add ``layer_part`` of a ray between any two heights; parts of layers thinner than 0.1 m are omitted."""
     turn, bending = 0.0, 0.0
     first, last = layer_of(laws, low), layer_of(laws, high)
     if laws.height[first] < low:

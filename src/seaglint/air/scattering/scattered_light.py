@@ -9,14 +9,14 @@ spectral shapes.
 
 Use
 ---
-:class:`seaglint.air.scattering.scattered_tables.ScatteredLight` makes three tables. A map or an image adds, in band,
+``seaglint.air.scattering.scattered_tables.ScatteredLight`` makes three tables. A map or an image adds, in band,
 
-- ``path``: :func:`scattered_path_at` to the path radiance of every line of sight to the sea;
-- ``sky``: :func:`scattered_sky_at` to the sky above the sensor's horizon;
+- ``path``: ``scattered_path_at`` to the path radiance of every line of sight to the sea;
+- ``sky``: ``scattered_sky_at`` to the sky above the sensor's horizon;
 - ``sea_sky``: the sky above a place on the sea, which facets mirror. Its elevation, azimuth and Sun are relative to the vertical
-  of the place. It has spectral shapes: as with :class:`seaglint.facet.surface_spectra.SkyTable`, ``L = shares @ spectral``, so that sums
+  of the place. It has spectral shapes: as with ``seaglint.facet.surface_spectra.SkyTable``, ``L = shares @ spectral``, so that sums
   over the band with reflectance and transmittance are taken of ``spectral`` once, and facets only need their few ``shares``
-  (:func:`scattered_shares`). Unlike the shares of the thermal sky they depend on the azimuth from the Sun.
+  (``scattered_shares``). Unlike the shares of the thermal sky they depend on the azimuth from the Sun.
 
 Kernels make no arrays, so that the renderer's kernels can call them.
 
@@ -43,8 +43,8 @@ class ScatteredTable(NamedTuple):
 
     ``angular[i, k]``: phase functions' shapes at even steps of the scattering angle, ``amplitude[t, e, a, k, r]`` over the Sun's zenith
     angle, rows and even steps of the cosine of azimuth; ``spectral[r, n]``: spectral shapes [W m-2 sr-1 per cm-1], or a single 1 for
-    radiance in band. Rows are counted by :func:`sky_row` (``dip_rows`` of them below the horizontal, down to ``dip`` [rad]) or
-    :func:`path_row` (``longest`` slant path [m]). ``solar_zenith`` [rad] is the Sun's apparent one at the sensor, or at its foot for sky
+    radiance in band. Rows are counted by ``sky_row`` (``dip_rows`` of them below the horizontal, down to ``dip`` [rad]) or
+    ``path_row`` (``longest`` slant path [m]). ``solar_zenith`` [rad] is the Sun's apparent one at the sensor, or at its foot for sky
     over the sea. Only there the Sun differs between places: ``suns`` is the first zenith angle and t per rad of it, and ``sets`` is true if
     the share of the disc above the place's horizon has still to be applied.
     """
@@ -140,7 +140,7 @@ def share_at(row: float, elevation: float, azimuth: float, solar_zenith: float, 
 
 @kernel
 def shares_at(row: float, elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable, out: np.ndarray) -> None:
-    """Compute :func:`share_at` of all spectral shapes ``out[r]``: the nodes around are looked up once."""
+    """Compute ``share_at`` of all spectral shapes ``out[r]``: the nodes around are looked up once."""
     i, f = angle_node(elevation, azimuth, solar_zenith, table)
     node = node_at(row, azimuth, solar_zenith, table)
     up = visible_part_kernel(0.5 * math.pi - solar_zenith)[0] if table.sets else 1.0
@@ -194,7 +194,7 @@ def sky_map(elevation: FloatArray, azimuth_from_sun: FloatArray, table: Scattere
 
 
 def path_map(range_m: FloatArray, elevation: FloatArray, azimuth_from_sun: FloatArray, table: ScatteredTable) -> FloatArray:
-    """Scattered paths to the sea in band, by :func:`scattered_path_at` in threads.
+    """Scattered paths to the sea in band, by ``scattered_path_at`` in threads.
 
     Arcs [m] belong to elevations (rows); columns are azimuths [rad].
     """
@@ -248,7 +248,7 @@ def scattered_shares(
 
 
 def scattered_path(range_m: ArrayLike, elevation: ArrayLike, azimuth_from_sun: ArrayLike, table: ScatteredTable) -> FloatArray:
-    """Scattered path radiance to the sea in band [W m-2 sr-1, (...)]; see :func:`scattered_path_at`."""
+    """Scattered path radiance to the sea in band [W m-2 sr-1, (...)]; see ``scattered_path_at``."""
     s, e, a = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (range_m, elevation, azimuth_from_sun)))
     out = np.empty((e.size, table.amplitude.shape[4]))
     _fill_path(s.ravel(), e.ravel(), a.ravel(), table, out)

@@ -89,7 +89,7 @@ def optical_depths(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
 
 @njit
 def passed(depth: float) -> float:
-    """Transmittance of an optical depth; 0 beyond :data:`~seaglint.air.scattering.gas_bands.DEEPEST`."""
+    """Transmittance of an optical depth; 0 beyond ``DEEPEST``."""
     return math.exp(-depth) if depth < DEEPEST else 0.0
 
 
@@ -123,7 +123,7 @@ def sun_seen(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndar
 
 @njit
 def sun_by_table(laws: Laws, table: SunwardTable, j: int, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
-    """Compute :func:`sun_seen`, from the table where it has the j-th point's height and the Sun's zenith angle."""
+    """Compute ``sun_seen``, from the table where it has the j-th point's height and the Sun's zenith angle."""
     if j >= table.height.size or table.height[j] != z or zenith < table.first or zenith > table.last:
         return sun_seen(laws, z, zenith, work, out)
     # Chebyshev polynomials by their recurrence, divided by the cosine with which the amounts were multiplied
@@ -272,7 +272,7 @@ def _log_mean(a: float, b: float, x: float) -> float:
 
 @njit
 def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, float], table: SunwardTable, out: np.ndarray) -> float:
-    """Compute amplitudes as :func:`line_amplitudes`, of continuous air, along a traced line: ``J_c`` is the integral of ``beta_c T``.
+    """Compute amplitudes as ``line_amplitudes``, of continuous air, along a traced line: ``J_c`` is the integral of ``beta_c T``.
 
     T is the band transmittance Sun - place - sensor, between points by its logarithmic mean; every region's aerosol scatters as its kind at
     its place.
@@ -340,7 +340,7 @@ def _humid_shares(laws: Laws, z: float, out: np.ndarray) -> None:
 def many_amplitudes(
     laws: Laws, z: float, lines: np.ndarray, part: tuple[int, int], table: SunwardTable, out: np.ndarray, arc: np.ndarray
 ) -> None:
-    """Amplitudes by :func:`line_amplitudes` or :func:`line_sums` of part of the lines from one height.
+    """Amplitudes by ``line_amplitudes`` or ``line_sums`` of part of the lines from one height.
 
     ``lines`` [rad, (lines, 3)]: zenith, azimuth, solar zenith. Lines that follow each other at one zenith angle are traced once.
     """

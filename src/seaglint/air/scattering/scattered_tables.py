@@ -1,7 +1,7 @@
-"""Tables of scattered sunlight for :mod:`seaglint.air.scattering.scattered_light`.
+"""Tables of scattered sunlight for ``seaglint.air.scattering.scattered_light``.
 
-They are made from lines of sight computed one by one (:class:`ScatteredLight`), or from the samples of a user's calculation
-(:class:`SampledLight`).
+They are made from lines of sight computed one by one (``ScatteredLight``), or from the samples of a user's calculation
+(``SampledLight``).
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class _SeaLines(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SampledLight:
-    """Scattered sunlight of a file, for its one Sun; as :class:`seaglint.air.scattering.scattered_tables.ScatteredLight`.
+    """Scattered sunlight of a file, for its one Sun; as ``seaglint.air.scattering.scattered_tables.ScatteredLight``.
 
     Radiance is split into a function of the scattering angle, which has the aureole, and the smooth rest, which is interpolated
     linearly between the file's directions. Directions that the file omits are dark.
@@ -154,7 +154,7 @@ class SampledLight:
         return table._replace(spectral=np.ascontiguousarray(spectral))
 
     def sea_sky_within(self, turn: float, suns: int = SUN_ROWS) -> ScatteredTable:
-        """Table :attr:`sea_sky`, the same for all places and one Sun."""
+        """Table ``sea_sky``, the same for all places and one Sun."""
         return self.sea_sky
 
     def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
@@ -226,9 +226,9 @@ def scattered_in(
     atmosphere : Atmosphere or None
         Source of samples, ``scattered``, or else of scatterers; None to omit scattered sunlight.
     grid, weights : slice, ndarray
-        Samples in the band and its quadrature weights there [cm-1, (n,)], as in :class:`seaglint.facet.sea_view.BandSum`.
+        Samples in the band and its quadrature weights there [cm-1, (n,)], as in ``seaglint.facet.sea_view.BandSum``.
     height, solar_zenith, farthest_turn : float
-        As for :class:`ScatteredLight`; ``seaglint.facet.sea_view.SeaView`` has all three.
+        As for ``ScatteredLight``; ``seaglint.facet.sea_view.SeaView`` has all three.
     """
     up = solar_zenith - farthest_turn < 0.5 * math.pi + SOLAR_ANGULAR_RADIUS
     samples = None if atmosphere is None else atmosphere.scattered
@@ -292,7 +292,7 @@ class ScatteredLight:
         return self.sea_sky_within(self.farthest_turn)
 
     def sea_sky_within(self, turn: float, suns: int = SUN_ROWS) -> ScatteredTable:
-        """Table :attr:`sea_sky` for places whose vertical is turned by at most ``turn`` [rad]; a tenth of a degree counts as one Sun.
+        """Table ``sea_sky`` for places whose vertical is turned by at most ``turn`` [rad]; a tenth of a degree counts as one Sun.
 
         Parameters
         ----------
@@ -316,7 +316,7 @@ class ScatteredLight:
         return self._lines_within(self.farthest_turn)
 
     def _lines_within(self, turn: float) -> _SeaLines:
-        """Compute the lines for :meth:`sea_sky_within`."""
+        """Compute the lines for ``sea_sky_within``."""
         air = cast(ScatteringAir, self.air)
         zenith, rows = _sky_lines(air, 0.0)
         first, last = _sun_range(self.solar_zenith, turn)
@@ -330,7 +330,7 @@ class ScatteredLight:
         return self.path_spectra(arc, azimuth) @ self.weights
 
     def path_spectra(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """Scattered path radiance in every channel [W m-2 sr-1 per cm-1, (rows, columns, n)], as :meth:`paths`."""
+        """Scattered path radiance in every channel [W m-2 sr-1 per cm-1, (rows, columns, n)], as ``paths``."""
         if self.air is None:
             return np.zeros((arc.size, azimuth.size, self.weights.size))
         horizon = slant_range(self.height, float(_path_lines(self.air, self.height)[1][-1]))

@@ -1,8 +1,8 @@
 """Scatterers and absorbers of one atmosphere: LOWTRAN7's own profiles, band laws and phase functions, on part of the spectrum.
 
-From them scattered sunlight is computed line by line (:mod:`seaglint.air.scattering.scattered_line`) for any height, direction and Sun; a
-table of the radiance itself would need all of them as axes. :mod:`seaglint.air.profile.profile_scattering` makes them
-for any profile and haze, :mod:`seaglint.formats.lowtran.lowtran_sample` from a run of LOWTRAN7.
+From them scattered sunlight is computed line by line (``seaglint.air.scattering.scattered_line``) for any height, direction and Sun; a
+table of the radiance itself would need all of them as axes. ``seaglint.air.profile.profile_scattering`` makes them
+for any profile and haze, ``seaglint.formats.lowtran.lowtran_sample`` from a run of LOWTRAN7.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ AEROSOL_COLUMNS: Final = (7, 12, 13, 14)  #: Numbers of LOWTRAN7 for the aerosol
 
 NO_BAND: Final = -20.0  #: Value that LOWTRAN7 uses as the logarithm of a band's coefficient where there is no band.
 
-#: Numbers of zenith angles of the Sun between which amounts towards it are interpolated, up to :data:`HIGH_SUN` and beyond.
+#: Numbers of zenith angles of the Sun between which amounts towards it are interpolated, up to ``HIGH_SUN`` and beyond.
 SUN_NODES: Final = (6, 10)
 
 HIGH_SUN: Final = float(np.radians(66.0))  #: Zenith angle [rad].
@@ -53,7 +53,7 @@ _LOCK: Final = threading.Lock()
 
 
 class Segments(NamedTuple):
-    """Consecutive bands as in :class:`Laws`: (column, first, end), their powers, and coefficients of all their channels."""
+    """Consecutive bands as in ``Laws``: (column, first, end), their powers, and coefficients of all their channels."""
 
     place: NDArray[np.int64]
     power: FloatArray
@@ -65,12 +65,12 @@ class SpectralLaws:
     """Part of the scattering laws that is the same for all model atmospheres."""
 
     wavenumber_cm: FloatArray  #: Channels [cm-1, (n,)].
-    continuum: FloatArray  #: Coefficients in the order of :data:`CONTINUA` [(7, n)].
+    continuum: FloatArray  #: Coefficients in the order of ``CONTINUA`` [(7, n)].
     gases: GasBands  #: Bands.
 
     @property
     def columns(self) -> list[int]:
-        """LOWTRAN7's numbers of the amounts in the order of :attr:`Laws.density`."""
+        """LOWTRAN7's numbers of the amounts in the order of ``Laws.density``."""
         return [*AEROSOL_COLUMNS, *CONTINUA, *self.gases.numbers]
 
     @cached_property
@@ -100,7 +100,7 @@ class AirLevels:
     refractivity: FloatArray  #: Refractivity ``n - 1`` [1, (levels,)].
     humidity: FloatArray  #: Relative humidity [%, (levels,)].
     tops: FloatArray  #: Highest levels of the aerosol's regions [km, (4,)].
-    density: FloatArray  #: Scaled densities in the order of :attr:`SpectralLaws.columns` [(columns, levels)].
+    density: FloatArray  #: Scaled densities in the order of ``SpectralLaws.columns`` [(columns, levels)].
     cold_kelvin: float = 0.0  #: Temperature of the law by which water's own continuum grows in cold air [K], 0 for LOWTRAN7's.
 
 
@@ -120,7 +120,7 @@ class AerosolLaws:
 
 @dataclass(frozen=True, eq=False)
 class ScatteringAir:
-    """Atmosphere that scatters sunlight. Make it with :meth:`of`."""
+    """Atmosphere that scatters sunlight. Make it with ``of``."""
 
     spectral: SpectralLaws  #: Continua and bands.
     source: FloatArray  #: Sunlight outside the atmosphere at 1 au [W m-2 per cm-1, (n,)].
@@ -141,7 +141,7 @@ class ScatteringAir:
     def assembled(
         cls, spectral: SpectralLaws, levels: AirLevels, aerosol: AerosolLaws, source: FloatArray, grid: LayerGrid, finest: float = 0.0
     ) -> ScatteringAir:
-        """Assemble the air as :meth:`of`, with a given result of :func:`grid_of`.
+        """Assemble the air as ``of``, with a given result of ``grid_of``.
 
         ``finest``: thickness of the first piece of a line [km]; 0 for LOWTRAN7's layers.
         """
@@ -302,6 +302,6 @@ def scattering_angle(zenith: ArrayLike, azimuth_from_sun: ArrayLike, solar_zenit
 
 
 def continuum_coefficients(abb: FloatArray) -> FloatArray:
-    """Coefficients of :data:`CONTINUA` [(7, n)] from LOWTRAN7's ABB [(n, 17)]."""
+    """Coefficients of ``CONTINUA`` [(7, n)] from LOWTRAN7's ABB [(n, 17)]."""
     per_molecule = {5, 9, 10}
     return np.array([abb[:, k - 1] * (_PER_MOLECULE if k in per_molecule else 1.0) for k in CONTINUA])

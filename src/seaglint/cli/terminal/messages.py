@@ -89,7 +89,7 @@ def printable(text: str) -> str:
     r"""Return a text without characters that steer a terminal: they become escapes, and very long words and lines are cut.
 
     Values and names of files may contain anything. Control characters, characters that reverse the direction of writing, and separators of
-    lines are written as Python escapes; words of more than :data:`LONGEST_WORD` characters keep their beginning.
+    lines are written as Python escapes; words of more than ``LONGEST_WORD`` characters keep their beginning.
 
     Examples
     --------

@@ -97,7 +97,7 @@ PATIENCE = 2.0  #: Time before progress is shown where most runs are short [s].
 
 @contextmanager
 def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] = time.monotonic) -> Iterator[Progress]:
-    """Provide a function as :func:`progress` does; it shows nothing before the work has lasted :data:`PATIENCE` seconds."""
+    """Provide a function as ``progress`` does; it shows nothing before the work has lasted ``PATIENCE`` seconds."""
     pace = Pace(clock)
     shown: list[Progress] = []
     with ExitStack() as stack:
@@ -115,7 +115,7 @@ def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] =
 
 
 def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic, pace: Pace | None = None) -> Progress:
-    """Return a function that writes a line at the start, at most every :data:`LOG_INTERVAL` seconds, and at the end."""
+    """Return a function that writes a line at the start, at most every ``LOG_INTERVAL`` seconds, and at the end."""
     from seaglint.base.representation import duration
 
     known = pace or Pace(clock)

@@ -266,7 +266,7 @@ def chosen(
     DataError
         More than one kind of workers is requested, or threads for Dask workers.
     SeaglintError
-        :mod:`seaglint.cluster.dask` refuses the cluster.
+        ``seaglint.cluster.dask`` refuses the cluster.
     """
     given = [name for name, value in (("--workers", workers), ("--dask", dask), ("--dask-slurm", dask_slurm)) if value is not None]
     if len(given) > 1:
@@ -331,7 +331,7 @@ class RunOptions(WorkRequest):
     ] = ProgressMode.AUTO
 
     def chosen(self) -> AbstractContextManager[Workers | None]:
-        """Provide the requested workers; see :func:`seaglint.cli.terminal.record_options.chosen`."""
+        """Provide the requested workers; see ``seaglint.cli.terminal.record_options.chosen``."""
         return chosen(self.workers, self.dask, self.dask_slurm, threads=self.threads)
 
     def done_here(self, what: str) -> None:
@@ -340,7 +340,7 @@ class RunOptions(WorkRequest):
             log(f"{what} in one piece, by this process alone")
 
 
-ALONE = ("workers", "dask", "dask_slurm")  #: Fields of :class:`RunOptions` that share work; left out by commands that work alone.
+ALONE = ("workers", "dask", "dask_slurm")  #: Fields of ``RunOptions`` that share work; left out by commands that work alone.
 
 
 def require_one_way(*, shard: str | None, overwrite: bool) -> None:
@@ -362,7 +362,7 @@ def finish_store(scenario: str, output: str | None, sensor: str | None) -> Path 
     Raises
     ------
     SeaglintError
-        See :func:`seaglint.store.sequence_store.finish_sequence`.
+        See ``seaglint.store.sequence_store.finish_sequence``.
     """
     from seaglint.scenario.load import load_scenario
     from seaglint.store.sequence_store import finish_sequence, open_sequence

@@ -68,7 +68,7 @@ class ConversionSettings:
     """Settings of the conversion of scenes to a data set."""
 
     folder: str  #: Folder of the data set, or of the unfinished one.
-    format: str  #: Name of one of :data:`seaglint.formats.dataset.FORMATS`.
+    format: str  #: Name of one of ``seaglint.formats.dataset.FORMATS``.
     bits: Bits  #: Bits of a pixel.
     image: str  #: Ending of pictures.
     classes: Mapping[str, str]  #: Category of an object by its name; the default is its preset, or the kind of its shape.
@@ -295,7 +295,7 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
     about : mapping
         ``title``, ``description``, ``licence``, ``licence_note``, ``version``, ``seed``, ``bits``, ``image``, ``counts``, ``split``.
     numbers : mapping
-        Result of :func:`statistics`.
+        Result of ``statistics``.
     form : type of DatasetFormat
         Format.
     """

@@ -170,7 +170,7 @@ def compressed(runs: Sequence[int]) -> str:
 
 
 def expanded(text: str) -> list[int]:
-    """Return the run lengths of :func:`compressed` text.
+    """Return the run lengths of ``compressed`` text.
 
     >>> expanded("61X13mN000`0")
     [6, 1, 40, 4, 5, 4, 5, 4, 21]

@@ -23,7 +23,7 @@ from seaglint.store.stored_images import count_line, line_of, pictures
 
 @dataclass(frozen=True, eq=False)
 class LabelledScene:
-    """Frames of a scene with their labels, in the values of its store. Make them with :meth:`stored` or :meth:`held`."""
+    """Frames of a scene with their labels, in the values of its store. Make them with ``stored`` or ``held``."""
 
     source: Path  #: Store or scenario, which errors name.
     variable: str  #: Name of the images: ``signal`` or ``radiance``.

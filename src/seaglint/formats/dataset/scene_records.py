@@ -220,7 +220,7 @@ def known(value: float) -> float | None:
 
 
 class DatasetFormat:
-    """Format of a data set; each is a class of :mod:`seaglint.formats.dataset.layouts`, listed in ``FORMATS`` of the package."""
+    """Format of a data set; each is a class of ``seaglint.formats.dataset.layouts``, listed in ``FORMATS`` of the package."""
 
     name: ClassVar[str]  #: Name by which users choose it.
     bits: ClassVar[Bits]  #: Default bits of a pixel, expected by programs that read the format.
@@ -259,5 +259,5 @@ class DatasetFormat:
 
     @classmethod
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
-        """Yield a line for each fault of what :meth:`write` wrote; ``about`` is ``dataset.json``."""
+        """Yield a line for each fault of what ``write`` wrote; ``about`` is ``dataset.json``."""
         yield from ()

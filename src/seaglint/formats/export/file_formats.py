@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class ExportFormat:
-    """Format of an exported run; each is a class, listed in ``FORMATS`` of :mod:`seaglint.formats.export`."""
+    """Format of an exported run; each is a class, listed in ``FORMATS`` of ``seaglint.formats.export``."""
 
     endings: ClassVar[tuple[str, ...]]  #: Endings of its files, in lower case.
     aliases: ClassVar[tuple[str, ...]] = ()  #: Other endings of the same files, which the help leaves out.
@@ -260,7 +260,7 @@ class Hdf5(ExportFormat):
 
     @classmethod
     def stored(cls, numbers: NumberFormat, stack: Stack) -> NumberFormat:
-        """Return 32-bit integers for counts that may be :data:`~seaglint.store.netcdf.MISTAKEN`; other formats unchanged."""
+        """Return 32-bit integers for counts that may be ``MISTAKEN``; other formats unchanged."""
         from seaglint.store.netcdf import MISTAKEN
 
         if numbers.dtype == np.uint16 and numbers.counts is None and stack.images.attrs.get("saturation_counts", MISTAKEN) >= MISTAKEN:
@@ -354,7 +354,7 @@ class Raw(ExportFormat):
 
 
 def header(stack: Stack, numbers: NumberFormat) -> JsonObject:
-    """Return the layout with the names of :class:`~seaglint.formats.recording.RawLayout`, and other metadata in ``metadata``."""
+    """Return the layout with the names of ``RawLayout``, and other metadata in ``metadata``."""
     _, rows, columns = stack.shape
     table = {
         "rows": rows,

@@ -230,7 +230,7 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
     dataset : xarray.Dataset
         A run, opened lazily.
     variable : str, optional
-        Variable of the images; by default :func:`~seaglint.base.schema.default_image`, or the only one.
+        Variable of the images; by default ``default_image``, or the only one.
     frames : range, optional
         Numbers of the frames, counted in the whole sequence; all by default.
     source : str

@@ -35,7 +35,7 @@ STEP_CM = 5  #: Step of LOWTRAN7's spectral samples [cm-1]; its resolution is 20
 class Aerosol(HazeWeather):
     """Boundary-layer aerosol (card 2): air mass is ICSTL of the Navy model, which uses both winds; the desert model uses the first."""
 
-    haze: Haze = "navy-maritime"  #: One of :data:`HAZES`.
+    haze: Haze = "navy-maritime"  #: One of ``HAZES``.
 
     def card(self) -> str:
         """Return card 2. Calm is written as 0.001 m/s, because 0 means "the default wind of the model atmosphere"."""

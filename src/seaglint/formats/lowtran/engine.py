@@ -268,7 +268,7 @@ def run_laws(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> Floa
     Raises
     ------
     BackendError
-        As :func:`run`.
+        As ``run``.
     """
     return _output(program, case, "laws", timeout)
 
@@ -279,7 +279,7 @@ def run_tables(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> Fl
     Raises
     ------
     BackendError
-        As :func:`run`.
+        As ``run``.
     """
     return _output(program, case, "tables", timeout)
 

@@ -181,7 +181,7 @@ def live_air(program: engine.Engine, air: LowtranAir, source: FloatArray, timeou
     Raises
     ------
     BackendError
-        As :func:`dump`.
+        As ``dump``.
     """
     laws = dump(program, air, timeout)
     spectral = laws.spectral()
@@ -223,7 +223,7 @@ def lowtran_atmosphere(
     band_um : (float, float)
         Wavelengths to cover [um], within 0.2-28.
     levels : sequence of ProfileLevel, optional
-        Profile of :func:`seaglint.formats.soundings.sounding.read_sounding`.
+        Profile of ``seaglint.formats.soundings.sounding.read_sounding``.
     name : str, optional
         Name of the atmosphere in error messages.
     timeout : float

@@ -1,4 +1,4 @@
-"""Reader of spectra in any of the formats, and their conversion to the layout of :mod:`seaglint.formats.air_file`."""
+"""Reader of spectra in any of the formats, and their conversion to the layout of ``seaglint.formats.air_file``."""
 
 from __future__ import annotations
 

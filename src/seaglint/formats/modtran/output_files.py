@@ -2,7 +2,7 @@
 
 CSV of MODTRAN 6 (``CSVPRNT``): a line of column names, then numbers, case after case. Names are taken from its spectral library
 (``total transmittance``, ``path emission``, ...), its JSON (``TOT_TRANS``, ``THRML_EM``, ...) or tape7; see
-:mod:`seaglint.formats.modtran.modtran_spectrum` for the source of either. Lines that frame a case (``case index 0 = {``,
+``seaglint.formats.modtran.modtran_spectrum`` for the source of either. Lines that frame a case (``case index 0 = {``,
 ``num freq, 101``, ``}``) and lines of units are passed over: MODTRAN 6 writes them around its tables of flux.
 
 JSON of MODTRAN 6 (``JSONPRNT``, ``JSONOPT`` with ``WRT_OUTPUT``): ``MODTRAN[i].MODTRANOUTPUT.SPECTRA.RADIANCE`` (``IRRADIANCE``,

@@ -97,7 +97,7 @@ class ArrayReading:
 
     variable: str | None = None  #: Name of the array in a file that holds several.
     channel: str | None = None  #: Channel: a colour, or a number from 1.
-    axes: str | None = None  #: Order of the axes, letters of :data:`~seaglint.formats.recording.frame_axes.LETTERS`.
+    axes: str | None = None  #: Order of the axes, letters of ``LETTERS``.
     missing: tuple[float, ...] = ()  #: Stored numbers that are missing values, besides those that the file states.
 
     def decoding(self, stated: Decoding, dtype: np.dtype[Any]) -> Decoding:

@@ -38,7 +38,7 @@ MOST_COLOURS: Final = 4  #: Largest number of channels of a colour picture: red,
 class AxisOrder:
     """Order of an array's axes."""
 
-    letters: str  #: A letter of :data:`LETTERS` for each axis; ``1`` for an axis of length one that is left out.
+    letters: str  #: A letter of ``LETTERS`` for each axis; ``1`` for an axis of length one that is left out.
     guessed: bool  #: True where it follows from the sizes alone.
 
     def size(self, shape: Sequence[int], letter: str) -> int:

@@ -3,7 +3,7 @@
 MATLAB stores the first axis of an array as the fastest one. Its version 7.3 is HDF5, whose last axis is the fastest: the axes there are
 reversed, as the attribute ``MATLAB_class`` shows. Arrays that MATLAB's ``h5write`` writes are reversed too, without any attribute.
 
-Attributes of our own files, band and directions of the pixels, are read into a :class:`Source`.
+Attributes of our own files, band and directions of the pixels, are read into a ``Source``.
 """
 
 from __future__ import annotations

@@ -67,7 +67,7 @@ class AirSummary:
 
     @property
     def horizons(self) -> dict[float, float]:
-        """Arcs to the sea's horizon [m] by height of the sensor [m], at most :data:`FARTHEST`."""
+        """Arcs to the sea's horizon [m] by height of the sensor [m], at most ``FARTHEST``."""
         index = LayeredIndex(self.profile.height, 1e-6 * self.refractivity_units, self.profile.earth_radius)
         return {height: index.horizon(height, FARTHEST) for height in EYES}
 
@@ -155,7 +155,7 @@ def summarise_air(
     Raises
     ------
     DataError
-        A temperature of the sea outside 200 to 350 K, or as :func:`~seaglint.formats.soundings.sounding.read_sounding`.
+        A temperature of the sea outside 200 to 350 K, or as ``read_sounding``.
     """
     if not 200.0 <= sea_kelvin <= 350.0:
         raise DataError(f"sea_temperature = {sea_kelvin:g}: give a temperature of 200 to 350 K")

@@ -100,7 +100,7 @@ HUMIDITIES: Final[dict[str, Humidity]] = {
     "specific": "specific_humidity",
 }  # fmt: skip
 
-#: Units of names without one; temperatures and dew points without one are Celsius below :data:`KELVIN_FROM`.
+#: Units of names without one; temperatures and dew points without one are Celsius below ``KELVIN_FROM``.
 DEFAULTS: Final = {"pressure": "hpa", "height": "m", "humidity": "%", "mixing": "g/kg", "specific": "kg/kg", "depression": "k"}
 
 KELVIN_FROM: Final = 130.0  #: Median of a temperature without a unit from which it is in kelvin.
@@ -132,7 +132,7 @@ FURTHER_MISSING: Final = (99.9, 99.99, 9000.0)  #: Further numbers for a missing
 
 MOST_PPMV: Final = 20.0  #: Largest ozone of real air [1e-6 of the volume]; the most of the stratosphere is some 12.
 
-MOST_LOW_PPMV: Final = 1.0  #: Largest ozone of real air below the level of :data:`LOW_HPA` [1e-6 of the volume]; foul air has up to 0.4.
+MOST_LOW_PPMV: Final = 1.0  #: Largest ozone of real air below the level of ``LOW_HPA`` [1e-6 of the volume]; foul air has up to 0.4.
 
 #: Smallest median of ozone in real air [1e-6 of the volume]; tropical air over oceans has some 0.01.
 LEAST_PPMV: Final = 1e-3
@@ -270,7 +270,7 @@ class SoundingColumn:
     """A column that holds a quantity of a sounding."""
 
     place: int  #: Column of the file, from 0.
-    kind: str  #: Kind of :data:`QUANTITIES`.
+    kind: str  #: Kind of ``QUANTITIES``.
     unit: str | None  #: Its unit; None for a temperature or dew point without one.
     name: str  #: Name in the file.
     geopotential: bool  #: True for geopotential heights.
@@ -399,7 +399,7 @@ class OzoneColumn:
 
     place: int  #: Column of the file, from 0.
     name: str  #: Name in the file.
-    unit: str  #: One of :data:`RANKS`.
+    unit: str  #: One of ``RANKS``.
 
     def in_ppmv(self, values: FloatArray, pressure: FloatArray) -> FloatArray:
         """Return values as parts per million of the volume of air, at pressures [hPa].

@@ -107,7 +107,7 @@ def spectrum_of_columns(columns: Mapping[str, ArrayLike], name: str = "the spect
     Raises
     ------
     DataError
-        As :func:`read_spectrum`.
+        As ``read_spectrum``.
 
     Examples
     --------

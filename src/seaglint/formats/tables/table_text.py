@@ -224,7 +224,7 @@ def _is_mixed(values: Sequence[Any]) -> bool:
 
 
 def read_rows(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a CSV file that :func:`write_rows` wrote, as texts by column.
+    """Return the rows of a CSV file that ``write_rows`` wrote, as texts by column.
 
     Raises
     ------

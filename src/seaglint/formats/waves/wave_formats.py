@@ -255,7 +255,7 @@ def read_waves(
     wind_to_azimuth : float
         Azimuth the wind blows TO [rad].
     format : str, optional
-        One of :data:`FORMATS`; by default recognised from the file.
+        One of ``FORMATS``; by default recognised from the file.
 
     Returns
     -------

@@ -1,9 +1,9 @@
 """Records of a wave file: times, places, the bands of each record in the kinds that files have, and their conversion to a spectrum.
 
-A :class:`WaveChoice` selects a record by time and place. Records of NetCDF files are found under various names of time and place.
+A ``WaveChoice`` selects a record by time and place. Records of NetCDF files are found under various names of time and place.
 
 Directions here are where waves come FROM, in degrees clockwise from north, as CF and wavespectra have them; they are turned to where
-waves travel TO in one place, :func:`spectrum_of`. Only moments are complex numbers about the azimuth TO.
+waves travel TO in one place, ``spectrum_of``. Only moments are complex numbers about the azimuth TO.
 """
 
 from __future__ import annotations

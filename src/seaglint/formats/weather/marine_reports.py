@@ -5,7 +5,7 @@ run 0 to 359.99, or -179.99 to 180. A sky obscured by fog, rain or snow counts a
 
 NDBC: standard meteorological files, historical and realtime, of all generations of headings. Up to 1998 the year has two digits
 (``YY MM DD hh``), from 2000 four, minutes come in 2005, and from 2007 headings begin with ``#`` and a second line has units; dates are
-parsed by :mod:`seaglint.formats.waves.ndbc_buoys`. Missing values are filled with nines as wide as the field (99.0, 999, 9999.0) or, in
+parsed by ``seaglint.formats.waves.ndbc_buoys``. Missing values are filled with nines as wide as the field (99.0, 999, 9999.0) or, in
 realtime files, ``MM``. The files have no place and no cloud cover. Winds are measured at the anemometer, 3 to 5 m above most buoys.
 
 References
@@ -251,7 +251,7 @@ def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[flo
     path : Path
         The file, also packed by gzip.
     anemometer_m : float, optional
-        Height of the anemometer [m]; winds are then brought to 10 m by :func:`to_ten_metres`.
+        Height of the anemometer [m]; winds are then brought to 10 m by ``to_ten_metres``.
     place : (float, float), optional
         Latitude and longitude of the buoy [deg].
 

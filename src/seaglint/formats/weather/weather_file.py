@@ -41,7 +41,7 @@ class WeatherFile:
 
 
 def read_weather(path: str | Path) -> WeatherFile:
-    """Read a weather table, CSV or Parquet, or one of the package by its name (:data:`SHIPPED`).
+    """Read a weather table, CSV or Parquet, or one of the package by its name (``SHIPPED``).
 
     Raises
     ------

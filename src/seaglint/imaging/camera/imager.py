@@ -384,7 +384,7 @@ def fill_weights(
     weight: np.ndarray,
     part: tuple[int, int],
 ) -> None:
-    """Compute :func:`overlaps` of a part of the quadrilaterals; pixel ``p`` has ``count[p]`` cells and weights from ``start[p]`` on."""
+    """Compute ``overlaps`` of a part of the quadrilaterals; pixel ``p`` has ``count[p]`` cells and weights from ``start[p]`` on."""
     work = np.empty((4, CORNERS, 2))
     for p in range(part[0], part[1]):
         count[p] = overlaps(column[p], sine[p], cells, work, index[start[p] : start[p + 1]], weight[start[p] : start[p + 1]])
@@ -421,7 +421,7 @@ def resample_at_once(
     out: np.ndarray,
     part: tuple[int, int],
 ) -> None:
-    """Apply :func:`fill_weights` and :func:`apply_weights` without storing the weights; ``most``: largest number of cells under a pixel."""
+    """Apply ``fill_weights`` and ``apply_weights`` without storing the weights; ``most``: largest number of cells under a pixel."""
     work = np.empty((4, CORNERS, 2))
     index, weight = np.empty(most, np.int32), np.empty(most, np.float32)
     for p in range(part[0], part[1]):

@@ -51,7 +51,7 @@ class Track:
         Parameters
         ----------
         columns : mapping
-            Arrays under :data:`COLUMNS` [s, m, rad], one value per keyframe.
+            Arrays under ``COLUMNS`` [s, m, rad], one value per keyframe.
         names : sequence of str
             Names of the keyframes in error messages, e.g. ``"line 7"``.
 
@@ -59,7 +59,7 @@ class Track:
         ------
         DomainError
             Fewer than two keyframes, values that are not finite, times that do not increase, a sensor under the sea, an elevation beyond
-            the vertical, a jump (:data:`MOST_SPEED`, :data:`MOST_TURN`), or half a turn, which can go either way.
+            the vertical, a jump (``MOST_SPEED``, ``MOST_TURN``), or half a turn, which can go either way.
         """
         table = np.stack([np.asarray(columns[name], dtype=np.float64) for name in COLUMNS], axis=1)
         if table.shape[0] < 2:
@@ -161,7 +161,7 @@ def pose_at(track: Track, time: float) -> dict[str, float]:
 def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
     """Return positions [m] and attitudes [deg] of a sensor at times [s, (times,)], each (times,).
 
-    They have the names of output variables (:data:`seaglint.base.schema.VARIABLES`).
+    They have the names of output variables (``seaglint.base.schema.VARIABLES``).
     """
     sampled = [track.at(float(t)) for t in times]
     return {

@@ -72,10 +72,10 @@ class Line(NamedTuple):
     course: SurfaceLine  #: Course over the sea.
     sunward: SurfaceLine  #: Course over the sea to the Sun.
     sight: Sight
-    thermal: ThermalLine  #: Thermal radiance of the facets (:func:`~seaglint.facet.thermal.thermal_along`).
+    thermal: ThermalLine  #: Thermal radiance of the facets (``thermal_along``).
     emitted: ThermalLine  #: Emission of the facets alone.
-    disc: DiscLine  #: Mirrored Sun (:func:`~seaglint.facet.solar_disc.disc_line`).
-    path: np.ndarray  #: Radiance of the path (:func:`~seaglint.facet.sky.path_along`) [W m-2 sr-1].
+    disc: DiscLine  #: Mirrored Sun (``disc_line``).
+    path: np.ndarray  #: Radiance of the path (``path_along``) [W m-2 sr-1].
     weight: float  #: Share of the line in the column [1].
     width: float  #: Width of the column [rad].
 
@@ -256,7 +256,7 @@ def add_skies(rows: Rows, azimuth: float, width: float, tangents: np.ndarray, im
 
 @njit
 def skies_alone(rows: Rows, azimuths: np.ndarray, width: float, images: np.ndarray) -> None:
-    """Fill columns without sea; arguments as of :func:`sweep_columns`."""
+    """Fill columns without sea; arguments as of ``sweep_columns``."""
     below = np.full(1, rows.bottom_tangent)
     for column in range(azimuths.shape[0]):
         images[column] = 0.0
@@ -279,7 +279,7 @@ def _split(tangents: np.ndarray, times: int) -> np.ndarray:
 def sharing(azimuths: np.ndarray, width: float, first: int, end: int) -> tuple[int, float]:
     """Return the end of the columns from ``first`` on that share tables, and the azimuth of these tables [rad].
 
-    They are the columns between two multiples of :data:`SHARED`, so that they do not depend on the view; wide columns share none.
+    They are the columns between two multiples of ``SHARED``, so that they do not depend on the view; wide columns share none.
     """
     if width >= SHARED:
         return first + 1, azimuths[first]
@@ -296,7 +296,7 @@ def sweep_columns(
     """Fill ``images[first:end]`` for ``part = (first, end)``: columns at ``azimuths`` of a ``width`` [rad].
 
     ``images`` (columns, 1 or 2 + cuts, channels, rows): the whole, and the interval before each of the ``cuts`` (columns, cuts) [m] and
-    beyond the last. Columns do not depend on each other; :func:`seaglint.base.jit.in_threads` divides them among threads.
+    beyond the last. Columns do not depend on each other; ``seaglint.base.jit.in_threads`` divides them among threads.
     """
     walk, rows = swept.walk, swept.rows
     farthest = walk.range_m[walk.range_m.shape[0] - 1] / EARTH_RADIUS

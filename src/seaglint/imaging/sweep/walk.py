@@ -2,14 +2,14 @@
 
 Detail falls with range: where a column has grown wider than half the waves of a level's last octave (:mod:`seaglint.sea.wave_field`),
 that octave goes to the facets and steps grow. At grazing views most samples are hidden: strips of them are skipped where the largest
-heights of the lattices (:mod:`seaglint.imaging.wave_surface`) stay below the line of sight. The image is equal to the image of the full
+heights of the lattices (``seaglint.imaging.wave_surface``) stay below the line of sight. The image is equal to the image of the full
 walk.
 
 The walk yields a piece at every sample that rises above the horizon. Far away and with short waves many of them share a row of the image,
 and neighbours differ by little compared with the slopes of their facets; such pieces are merged and shaded as one. A merged piece has the
 mean slope of its parts, each weighted with the elevation that it fills, and their covariance about the mean. That covariance is added to
 the covariance of the facets, and the visible and lit share of facets is averaged over it
-(:func:`seaglint.facet.facet_sunlight.merged_share`): the mean of all parts, to second order in the slopes.
+(``seaglint.facet.facet_sunlight.merged_share``): the mean of all parts, to second order in the slopes.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Walk(NamedTuple):
 def graded_ranges(first: float, last: float, begins: np.ndarray, steps: np.ndarray, height: float, row_step: float) -> np.ndarray:
     """Return arcs from ``first`` to ``last`` [m] in steps of at most ``steps[l]``, from ``begins[l]`` on.
 
-    Steps are also at most :data:`RANGE_PARTS` of the ground in a pixel row.
+    Steps are also at most ``RANGE_PARTS`` of the ground in a pixel row.
     """
     # the first pass counts the arcs, the second one stores them
     size = 1
@@ -115,7 +115,7 @@ def calm_ranges(camera: Camera) -> FloatArray:
 
 
 def stages(arcs: FloatArray, begins: FloatArray, parts: FloatArray) -> NDArray[np.int64]:
-    """Return the rows :attr:`Walk.stage` for samples at ``arcs`` [m].
+    """Return the rows ``Walk.stage`` for samples at ``arcs`` [m].
 
     Level ``l`` begins at the arc ``begins[l]``; at each of ``parts`` the lines of a column split in two. They never join again, as each
     line has its own horizon.
@@ -128,7 +128,7 @@ def stages(arcs: FloatArray, begins: FloatArray, parts: FloatArray) -> NDArray[n
 
 
 def sight_lines(arcs: FloatArray, height: float) -> tuple[FloatArray, FloatArray]:
-    """Return :attr:`Walk.rise` [1/m] and :attr:`Walk.fall` [1] of samples at ``arcs`` [m], seen from ``height`` [m] above the mean sea."""
+    """Return ``Walk.rise`` [1/m] and ``Walk.fall`` [1] of samples at ``arcs`` [m], seen from ``height`` [m] above the mean sea."""
     psi = arcs / EFFECTIVE_EARTH_RADIUS
     # straight below the sensor the tangent is infinite: it is evaluated a nanometre aside
     reach = np.maximum(EFFECTIVE_EARTH_RADIUS * np.sin(psi), 1e-9)
@@ -160,7 +160,7 @@ def elevation(tangent: float) -> float:
 @kernel
 def in_view(walk: Walk, strip: Strip, first: int, count: int, crest: float, tangent: float) -> bool:
     """Return True where a height of the strip, raised by ``crest`` [m], is above the line of sight of this tangent."""
-    # unsigned, as in :func:`~seaglint.imaging.wave_surface.address`
+    # unsigned, as in ``address``
     visible, at = np.int64(0), np.uint64(first)
     for n in range(count):
         k = np.uint64(n)
@@ -222,7 +222,7 @@ BUFFER = 1024  #: Number of visible pieces that are collected before they are sh
 
 
 class Pieces(NamedTuple):
-    """Visible pieces of a line from :func:`~seaglint.imaging.sweep.walk.walk_line`, and buffers for their radiance, channel by channel.
+    """Visible pieces of a line from ``walk_line``, and buffers for their radiance, channel by channel.
 
     Piece ``j`` reaches from the sample ``begin[j]`` to ``sample[j]``; ``extent[j]`` is its length [m] and the tangent at its upper edge,
     ``arc[j]`` its middle [m], ``slope[j]`` its mean slope towards east and north and ``spread[j]`` the covariance (ee, en, nn) within it.
@@ -248,7 +248,7 @@ class Merging(NamedTuple):
 
 @njit
 def new_pieces(channels: int) -> Pieces:
-    """Return buffers for :data:`BUFFER` pieces."""
+    """Return buffers for ``BUFFER`` pieces."""
     return Pieces(
         np.empty(BUFFER, np.int64),
         np.empty(BUFFER, np.int64),
@@ -262,7 +262,7 @@ def new_pieces(channels: int) -> Pieces:
 
 @kernel
 def read_slopes(surface: Surface, line: SurfaceLine, range_m: np.ndarray, pieces: Pieces, count: int, strip: Strip) -> None:
-    """Compute the middles of the first ``count`` pieces and the slopes there, equal to :func:`~seaglint.imaging.wave_surface.slopes` to
+    """Compute the middles of the first ``count`` pieces and the slopes there, equal to ``slopes`` to
     2e-5 of a cell.
 
     Pieces are read strip by strip, each within the range of positions of a strip.
@@ -305,7 +305,7 @@ def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: t
 
     The first, which the view's edge may cut, stays alone.
 
-    ``lowest``: tangent at the lower edge of the first; ``limits``: the fields of :class:`Merging` at a level, and the elevation of the edge
+    ``lowest``: tangent at the lower edge of the first; ``limits``: the fields of ``Merging`` at a level, and the elevation of the edge
     of a cell [rad].
     """
     # the test below is trace(inverse(facets) spread) <= limits[0], times the determinant: no division in the loop

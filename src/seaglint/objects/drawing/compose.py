@@ -12,7 +12,7 @@ pixel is reduced by this share. The Sun is a point here, and waves do not bend t
 
 **Refraction.** In air that bends the lines of sight a part is drawn with standard refraction, and its rows are shifted for the arc of its
 middle. In a mirage some rows appear several times, upright and inverted. Rays that meet the sea decide which rows it hides; waves hide as
-in the standard picture, for bodies nearer than :data:`WAVES_WITHIN` of its horizon.
+in the standard picture, for bodies nearer than ``WAVES_WITHIN`` of its horizon.
 """
 
 from __future__ import annotations

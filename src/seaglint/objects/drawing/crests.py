@@ -53,7 +53,7 @@ class Span(NamedTuple):
 def walk_crests(surface: Surface, stage: np.ndarray, sights: np.ndarray, azimuths: np.ndarray, keep: int, out: np.ndarray) -> None:
     """Fill ``out[line, (tangent, height), arc]`` from arc ``keep`` on.
 
-    ``sights``: arcs, rise and fall (:func:`~seaglint.imaging.sweep.walk.sight_lines`); ``stage[s] = (level of detail, first arc, end)``.
+    ``sights``: arcs, rise and fall (``sight_lines``); ``stage[s] = (level of detail, first arc, end)``.
     """
     arcs, rise, fall = sights[0], sights[1], sights[2]
     strip = new_strip()

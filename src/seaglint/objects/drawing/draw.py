@@ -1,6 +1,6 @@
 """Drawing of bodies: each part is sampled on a separate grid and hidden by sea and bodies in front; solid angles of whole parts.
 
-:class:`Stage` has a camera at an instant, :class:`Drawer` draws bodies on it. :func:`solid_angles` measures parts without a camera, inside
+``Stage`` has a camera at an instant, ``Drawer`` draws bodies on it. ``solid_angles`` measures parts without a camera, inside
 the picture or not.
 """
 
@@ -48,12 +48,12 @@ from seaglint.objects.drawing.sample_sums import (
 )
 from seaglint.optics.blackbody import planck_wavenumber
 
-#: Share of the light behind a plume that it absorbs along its chords (:func:`~seaglint.objects.combustion_gas.chord_shares`).
+#: Share of the light behind a plume that it absorbs along its chords (``chord_shares``).
 Cover = Callable[[Mesh | GasPlume | PointSource], FloatArray]
 
 CELLS: Final = 128  #: Number of samples along a side of a part: solid angles within some 0.2 %.
 
-#: Number of cells along a side of a body's shadow map: for a body with at most :data:`_FEW` samples along a side, and for a larger one.
+#: Number of cells along a side of a body's shadow map: for a body with at most ``_FEW`` samples along a side, and for a larger one.
 SHADOW_CELLS: Final = (128, 256)
 
 _FEW: Final = 192
@@ -138,7 +138,7 @@ def _faces(one: Placed, plane: TangentPlane, low: FloatArray, top: float, step: 
 
 def _opacity(plume: Placed, direction: FloatArray, last: FloatArray | float, cover: Cover) -> FloatArray:
     """Return the share of the light behind a plume that it absorbs along directions up to ``last`` times their length [1]."""
-    # :func:`seaglint.objects.drawing.raster.chord` for arrays of directions that are no unit vectors
+    # ``seaglint.objects.drawing.raster.chord`` for arrays of directions that are no unit vectors
     gas = plume.gas
     along = direction @ gas[3:12].reshape(3, 3).T
     square, part = (along**2).sum(axis=-1), along @ gas[:3]
@@ -162,8 +162,8 @@ class PixelPatch:
     placed: Placed  #: The part at its place.
     rows: np.ndarray  #: Rows of the pixels in the image (rows,).
     columns: np.ndarray  #: Columns of the pixels in the image (columns,).
-    planes: FloatArray  #: :data:`~seaglint.objects.drawing.sample_sums.PLANES` of the pixels (planes, rows, columns).
-    sums: FloatArray  #: :data:`~seaglint.objects.drawing.sample_sums.SUMS`.
+    planes: FloatArray  #: ``PLANES`` of the pixels (planes, rows, columns).
+    sums: FloatArray  #: ``SUMS``.
     #: Solid angle above the waterline in each row, in the picture and in view, ``sums[[DRY_INSIDE, DRY_SEEN]]`` [sr, (2, rows)]; 1 or 0 for
     #: a point.
     lines: FloatArray
@@ -267,7 +267,7 @@ def _latest(cached: OrderedDict[SeaView, Surroundings], view: SeaView, compute: 
 
 @dataclass(frozen=True, eq=False)
 class Drawer:
-    """Drawer of bodies from any pose at any time. Make it with :meth:`of`."""
+    """Drawer of bodies from any pose at any time. Make it with ``of``."""
 
     bodies: tuple[Body, ...]
     _parts: tuple[DrawnPart, ...]

@@ -73,7 +73,7 @@ class TangentPlane:
 
 
 class Lens(NamedTuple):
-    """Conversion of image points to directions: ``turn @ (a u, a v, b)`` with (u, v) of columns and (a, b) of rows (:func:`lens`)."""
+    """Conversion of image points to directions: ``turn @ (a u, a v, b)`` with (u, v) of columns and (a, b) of rows (``lens``)."""
 
     turn: np.ndarray
     plane: bool
@@ -100,7 +100,7 @@ def lens(imager: Imager, attitude: Attitude) -> Lens:
 
 @kernel
 def image_point(lens: Lens, direction: tuple[float, float, float], about: float) -> tuple[float, float, bool]:
-    """Return column and row of a direction [pixels], the inverse of :class:`Lens`, and a flag for directions in front of the camera.
+    """Return column and row of a direction [pixels], the inverse of ``Lens``, and a flag for directions in front of the camera.
 
     Of columns that differ by a full circle the result is the nearest to ``about``.
     """
@@ -168,7 +168,7 @@ def grid_over(box: tuple[float, float, float, float], fewest: int = FEWEST_CELLS
 
 
 def strips(grid: Grid) -> list[Grid]:
-    """Return parts of a grid of whole rows of pixels, each with at most :data:`MOST_CELLS` cells or one row."""
+    """Return parts of a grid of whole rows of pixels, each with at most ``MOST_CELLS`` cells or one row."""
     if grid.size[0] * grid.size[1] <= MOST_CELLS:
         return [grid]
     n = grid.cells[1]

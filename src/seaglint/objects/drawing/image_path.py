@@ -52,7 +52,7 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class ImagePath:
-    """Place of a part's middle in the image as a function of time; make it with :meth:`of`."""
+    """Place of a part's middle in the image as a function of time; make it with ``of``."""
 
     _columns: Callable[[FloatArray], FloatArray]
     _rows: Callable[[FloatArray], FloatArray]
@@ -105,7 +105,7 @@ class ImagePath:
                 return cls(_through(nodes, places[:, 0]), _through(nodes, places[:, 1]), front)
 
     def at(self, times: FloatArray) -> FloatArray:
-        """Return columns and rows at times [pixels, (2, n)]; below :data:`BEHIND` behind the camera."""
+        """Return columns and rows at times [pixels, (2, n)]; below ``BEHIND`` behind the camera."""
         places = np.stack([np.asarray(self._columns(times), np.float64), np.asarray(self._rows(times), np.float64)])
         places[:, (times < self._front[0]) | (times > self._front[1])] = 10.0 * BEHIND
         return places
@@ -150,7 +150,7 @@ def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, floa
     """Return the number of shapes with which a part is drawn between two times [s]: one for a part that only shifts in the image.
 
     The corners of the part are compared with corners that shift as its middle does. The number of shapes limits the difference to
-    :data:`RIGID`, and for a point the change of its distance to :data:`NEARER`.
+    ``RIGID``, and for a point the change of its distance to ``NEARER``.
     """
     first, last = view.known(motion)
     if isinstance(part.kind, PointSource):

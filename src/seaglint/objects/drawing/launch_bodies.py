@@ -1,6 +1,6 @@
 """Launches of the kernels that draw bodies into a frame: allocation of their arrays and their runs.
 
-The module is for bodies what :mod:`seaglint.imaging.launch` is for the sea. :mod:`seaglint.objects.drawing.draw` calls it in threads, one
+The module is for bodies what ``seaglint.imaging.launch`` is for the sea. ``seaglint.objects.drawing.draw`` calls it in threads, one
 for each part of a body.
 """
 
@@ -56,7 +56,7 @@ def part_planes(
     faces : (Faces, sequence of Faces, sequence of Faces)
         Faces of the part, of the solids that may be in front of it, and of the solids among these that belong to the same body.
     body : SensorMesh or ndarray
-        Solid, or gas as in :func:`~seaglint.objects.drawing.raster.chord`.
+        Solid, or gas as in ``chord``.
     around : BodySurroundings
         Surroundings; this function computes the depths of other bodies.
     arriving, shadow : Arriving, SunMap
@@ -65,8 +65,8 @@ def part_planes(
     Returns
     -------
     planes, sums : ndarray
-        :data:`~seaglint.objects.drawing.sample_sums.PLANES` of the grid's pixels (planes, rows, columns), and
-        :data:`~seaglint.objects.drawing.sample_sums.SUMS` of their rows (sums, rows).
+        ``PLANES`` of the grid's pixels (planes, rows, columns), and
+        ``SUMS`` of their rows (sums, rows).
     """
     lens, window = camera
     planes, sums = np.zeros((PLANES, grid.pixels[1], grid.pixels[0])), np.zeros((SUMS, grid.pixels[1]))
@@ -119,7 +119,7 @@ def sampled_solid(faces: Faces, x: FloatArray, y: FloatArray, cell: tuple[float,
 
 
 def shadow_map(vertex: FloatArray, corner: np.ndarray, axes: tuple[FloatArray, FloatArray], cells: int, lift: float) -> SunMap:
-    """Return the shadow map of a body on itself; arguments as of :func:`~seaglint.objects.drawing.raster.sun_map`."""
+    """Return the shadow map of a body on itself; arguments as of ``sun_map``."""
     result: SunMap = sun_map(vertex, corner, axes, cells, lift)
     return result
 

@@ -55,9 +55,9 @@ class Arriving(NamedTuple):
 
     corner: np.ndarray  #: Arc and height of the first corner [m], each followed by one over its extent [1/m]. Shape (4,).
     #: Light of a blackbody at the body's k-th temperature, or of a plume along its k-th chord
-    #: (:func:`~seaglint.objects.combustion_gas.chord_shares`). Axes (q, p, k).
+    #: (``chord_shares``). Axes (q, p, k).
     emitted: np.ndarray
-    mirrored: np.ndarray  #: Diffuse light reflected by a white facet of the m-th and a-th of :data:`NORMALS`. Axes (q, p, m, a).
+    mirrored: np.ndarray  #: Diffuse light reflected by a white facet of the m-th and a-th of ``NORMALS``. Axes (q, p, m, a).
     sun: np.ndarray  #: Sunlight reflected by a white facet at normal incidence. Axes (q, p).
     path: np.ndarray  #: Light of the path. Axes (q, p).
     cover: np.ndarray  #: Share of the light behind a plume that it absorbs along its k-th chord [1, (k,)]; empty for other bodies.
@@ -75,10 +75,10 @@ class Corners(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Light about a body near the sea, in one view. Make it with :meth:`of`."""
+    """Light about a body near the sea, in one view. Make it with ``of``."""
 
     view: SeaView  #: Sea, air and Sun.
-    diffuse: FloatArray  #: Mean radiance over the hemisphere of a normal [W m-2 sr-1 per cm-1, (m, a, n)], normals as :data:`NORMALS`.
+    diffuse: FloatArray  #: Mean radiance over the hemisphere of a normal [W m-2 sr-1 per cm-1, (m, a, n)], normals as ``NORMALS``.
     counted: FloatArray  #: Weight of each wavenumber of the view's band in the counted radiance [1, (n,)]; 1 for a detector of energy.
 
     @classmethod
@@ -244,7 +244,7 @@ def _hemispheres(up: FloatArray, azimuth: FloatArray, solid: FloatArray, light: 
 
 
 def _lowest_visible(eye: float, arcs: FloatArray) -> FloatArray:
-    """Return the height of points at arcs [m] with a line to the sensor that touches the depth :data:`LOWEST_LINE`; 0 for nearer points."""
+    """Return the height of points at arcs [m] with a line to the sensor that touches the depth ``LOWEST_LINE``; 0 for nearer points."""
     radius = EFFECTIVE_EARTH_RADIUS + LOWEST_LINE
     beyond = arcs / EFFECTIVE_EARTH_RADIUS - math.acos(radius / (EFFECTIVE_EARTH_RADIUS + eye))
     return np.asarray(np.where(beyond > 0.0, radius / np.cos(np.maximum(beyond, 0.0)) - EFFECTIVE_EARTH_RADIUS, 0.0))

@@ -61,7 +61,7 @@ class Mesh:
 
 
 def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Return the edges of triangles, and the edge numbers of each triangle (:attr:`Mesh.ends`, :attr:`Mesh.sides`)."""
+    """Return the edges of triangles, and the edge numbers of each triangle (``Mesh.ends``, ``Mesh.sides``)."""
     same = merged(vertices)[corners]
     start, end = same, np.roll(same, -1, axis=1)
     count = len(vertices)
@@ -99,9 +99,9 @@ class Placed:
     place: FloatArray  #: Middle of the part [m, (3,)].
     radius: float  #: Radius of a sphere about the middle that encloses the part [m].
     surface: FloatArray  #: Vertices of a mesh; points about a plume; the point itself [m, (n, 3)].
-    gas: FloatArray  #: Numbers of a plume for :func:`~seaglint.objects.drawing.raster.chord`; empty for other parts.
+    gas: FloatArray  #: Numbers of a plume for ``chord``; empty for other parts.
     eye: float  #: Height of the sensor above the mean sea [m].
-    water: FloatArray  #: Plane of the body's waterline (:attr:`seaglint.objects.drawing.eye.Stand.water`). Shape (4,).
+    water: FloatArray  #: Plane of the body's waterline (``seaglint.objects.drawing.eye.Stand.water``). Shape (4,).
 
     @property
     def distance(self) -> float:

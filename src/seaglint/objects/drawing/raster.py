@@ -1,7 +1,7 @@
 """Rasterisation of bodies: samples of their picture, the nearest triangle at each, the covered share of each cell, and shadow maps.
 
 Samples are even in image coordinates, so that pixels are covered exactly, and are evaluated on the plane across the line of sight
-(:class:`~seaglint.objects.drawing.eye.TangentPlane`), where triangles have straight sides and one over the depth is linear. The position of
+(``TangentPlane``), where triangles have straight sides and one over the depth is linear. The position of
 the sample differs from cell to cell (a lattice of two irrational turns): a thin body at any angle is hit in proportion to its width.
 
 Shares of cells come from the outline instead, without sampling noise: edges between a triangle that faces the sensor and one that does not
@@ -44,8 +44,8 @@ class Faces(NamedTuple):
     point: np.ndarray  #: Vertices as tangents and one over the depth (n, 3).
     image: np.ndarray  #: Image points of the vertices [pixels, (n, 2)].
     corner: np.ndarray  #: Vertices of the triangles (m, 3).
-    ends: np.ndarray  #: Vertices of the edges (:attr:`seaglint.objects.drawing.prepared_bodies.Mesh.ends`).
-    sides: np.ndarray  #: Edges of the triangles (:attr:`seaglint.objects.drawing.prepared_bodies.Mesh.sides`).
+    ends: np.ndarray  #: Vertices of the edges (``seaglint.objects.drawing.prepared_bodies.Mesh.ends``).
+    sides: np.ndarray  #: Edges of the triangles (``seaglint.objects.drawing.prepared_bodies.Mesh.sides``).
     bend: float  #: Share of its size by which a side of a triangle may be curved in the image [1].
 
 
@@ -136,7 +136,7 @@ def meet(faces: Faces, grid: Grid, samples: Samples) -> None:
 
 @njit
 def outline(faces: Faces, lens: Lens, axes: np.ndarray, grid: Grid, samples: Samples) -> None:
-    """Compute the shares of the cells that triangles cover, from their outline; after :func:`meet`.
+    """Compute the shares of the cells that triangles cover, from their outline; after ``meet``.
 
     A covered cell with no hit at its sample gets triangle and depth of the edge through it. If some triangles are behind the camera, or
     over the pole of the image's angles, a hit covers its whole cell.
@@ -260,7 +260,7 @@ def _crossed(x: float, a: float, b: float) -> float:
 
 @kernel
 def in_semi_axes(gas: np.ndarray, direction: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return a direction (unit, sensor's axes) in units of a plume's semi-axes [1/m]; ``gas`` as in :func:`chord`."""
+    """Return a direction (unit, sensor's axes) in units of a plume's semi-axes [1/m]; ``gas`` as in ``chord``."""
     return (
         gas[3] * direction[0] + gas[4] * direction[1] + gas[5] * direction[2],
         gas[6] * direction[0] + gas[7] * direction[1] + gas[8] * direction[2],

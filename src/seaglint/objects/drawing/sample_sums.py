@@ -34,8 +34,8 @@ ACROSS: Final = 2  #: Sum of the visible solid angle times column [sr pixels].
 DOWN: Final = 3  #: Sum of the visible solid angle times row [sr pixels].
 
 DRY: Final = 4  #: Sum of the solid angle above the waterline that no part of the same body hides [sr].
-DRY_INSIDE: Final = 5  #: The part of :data:`DRY` in the picture [sr].
-DRY_SEEN: Final = 6  #: The part of :data:`DRY_INSIDE` that nothing hides [sr].
+DRY_INSIDE: Final = 5  #: The part of ``DRY`` in the picture [sr].
+DRY_SEEN: Final = 6  #: The part of ``DRY_INSIDE`` that nothing hides [sr].
 SUMS: Final = 7  #: Number of sums.
 
 
@@ -44,7 +44,7 @@ class SensorMesh(NamedTuple):
 
     vertex: np.ndarray  #: Vertices [m, (n, 3)].
     corner: np.ndarray  #: Vertices of the triangles (m, 3).
-    kelvin: np.ndarray  #: Index of the temperature of each vertex in :attr:`seaglint.objects.drawing.light.Arriving.emitted` (n,).
+    kelvin: np.ndarray  #: Index of the temperature of each vertex in ``seaglint.objects.drawing.light.Arriving.emitted`` (n,).
     emissivity: np.ndarray  #: Emissivity of each vertex [1, (n,)].
 
 
@@ -54,11 +54,11 @@ class BodySurroundings(NamedTuple):
     eye: float  #: Height of the sensor above the mean sea [m].
     crests: Crests  #: Sea in front of the body.
     others: np.ndarray  #: One over the depth of other solids at the samples [1/m, (rows, columns)]; 0 without a solid.
-    gases: np.ndarray  #: Plumes in front, as in :func:`~seaglint.objects.drawing.raster.chord` (gases, 13).
-    covers: np.ndarray  #: Absorbed share along the chords of each plume (:attr:`seaglint.objects.drawing.light.Arriving.cover`).
+    gases: np.ndarray  #: Plumes in front, as in ``chord`` (gases, 13).
+    covers: np.ndarray  #: Absorbed share along the chords of each plume (``seaglint.objects.drawing.light.Arriving.cover``).
     axes: np.ndarray  #: Axes of the tangent plane (3, 3).
     heading: tuple[float, float, float]  #: Azimuth of the body's centre [rad], with its sine and cosine.
-    water: np.ndarray  #: Plane of the waterline (:attr:`seaglint.objects.drawing.eye.Stand.water`).
+    water: np.ndarray  #: Plane of the waterline (``seaglint.objects.drawing.eye.Stand.water``).
     own: np.ndarray  #: One over the depth of solids of the same body at the samples of its gas [1/m]; empty for a body without solids.
     own_gases: int  #: Number of plumes of the same body, the first in ``gases``.
 
@@ -93,7 +93,7 @@ def _row_solid_angle(lens: Lens, grid: Grid, j: int) -> float:
 
 @kernel
 def _falling(lens: Lens, grid: Grid, j: int, i: int) -> float:
-    """Return the ratio of a cell's solid angle to :func:`_row_solid_angle` [1]; it decreases to the corners of a plane image."""
+    """Return the ratio of a cell's solid angle to ``_row_solid_angle`` [1]; it decreases to the corners of a plane image."""
     if not lens.plane:
         return 1.0
     x = lens.across[0] + lens.across[1] * (grid.begin[0] + i + 0.5) / grid.cells[0]
@@ -137,7 +137,7 @@ def _visible(scene: BodySurroundings, at: tuple[float, float, float, float, floa
 @kernel
 def _chord_node(share: float, count: int) -> tuple[int, float]:
     """Return the number of the tabulated chord below a share of the longest chord, and the fraction towards the next [1]."""
-    # chords are even in the root of their share (:func:`seaglint.objects.combustion_gas.chord_shares`)
+    # chords are even in the root of their share (``seaglint.objects.combustion_gas.chord_shares``)
     x = math.sqrt(share) * (count - 1)
     k = min(int(x), count - 2)
     return k, x - k
@@ -170,7 +170,7 @@ def clear_to(scene: BodySurroundings, distance: float) -> float:
 
 @kernel
 def _between(corner: np.ndarray, arc: float, height: float) -> tuple[float, float]:
-    """Return the coordinates of a point between the corners of :class:`Arriving`, each in 0..1."""
+    """Return the coordinates of a point between the corners of ``Arriving``, each in 0..1."""
     return (min(max((arc - corner[0]) * corner[1], 0.0), 1.0), min(max((height - corner[2]) * corner[3], 0.0), 1.0))
 
 
@@ -298,8 +298,8 @@ def shade_solid(
     shadow: SunMap,
     out: tuple[np.ndarray, np.ndarray],
 ) -> None:
-    """Add the samples of solids to the planes ``out[0]`` (:data:`PLANES`, rows, columns) of the grid's pixels, and to the sums ``out[1]``
-    (:data:`SUMS`, rows) of their rows.
+    """Add the samples of solids to the planes ``out[0]`` (``PLANES``, rows, columns) of the grid's pixels, and to the sums ``out[1]``
+    (``SUMS``, rows) of their rows.
     """
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
@@ -369,7 +369,7 @@ def shade_gas(
     light: Arriving,
     out: tuple[np.ndarray, np.ndarray],
 ) -> None:
-    """Add the samples of a plume (:func:`~seaglint.objects.drawing.raster.chord`) to planes and sums; arguments as of :func:`shade_solid`.
+    """Add the samples of a plume (``chord``) to planes and sums; arguments as of ``shade_solid``.
 
     The coverage of a sample is the share of the light behind it that the plume absorbs, a mean over the band.
     """

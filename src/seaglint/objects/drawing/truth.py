@@ -59,7 +59,7 @@ def labels(
 ) -> tuple[Mapping[str, FloatArray], list[NDArray[np.bool_]], NDArray[np.uint16]]:
     """Return numbers and masks of bodies in an image, and the number of the body in each pixel.
 
-    The numbers are :data:`~seaglint.base.schema.NUMBERS`, the masks (rows, columns); a pixel has the number of the body
+    The numbers are ``NUMBERS``, the masks (rows, columns); a pixel has the number of the body
     that covers most of it, from 1.
 
     Parameters
@@ -84,7 +84,7 @@ def labels(
 def size_classes(labels: Mapping[str, NDArray[np.float64]], imager: Imager, attitude: Attitude) -> FloatArray:
     """Return the class of each object's size in pixels at its place: 0 point, 1 small, 2 extended.
 
-    The names of the classes are :data:`~seaglint.base.schema.SIZES`. An object of unknown place is taken at the middle of the picture.
+    The names of the classes are ``SIZES``. An object of unknown place is taken at the middle of the picture.
     """
     column, row = (
         np.nan_to_num(labels[name] + 0.5, nan=0.5 * size) for name, size in (("column_px", imager.columns), ("row_px", imager.rows))

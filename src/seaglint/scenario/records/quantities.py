@@ -243,7 +243,7 @@ class Quantity:
         )
 
     def meant(self, value: float) -> str:
-        """Return the question whether a number outside the range is in another unit; see :func:`meant_in`."""
+        """Return the question whether a number outside the range is in another unit; see ``meant_in``."""
         limits = [limit for limit in (self.le, self.lt) if limit is not None]
         return meant_in(value, self.unit, self.holds, min(limits, default=math.inf))
 

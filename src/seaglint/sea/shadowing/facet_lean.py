@@ -9,14 +9,14 @@ narrower than this form allows, :math:`a_2 > 1/2`, :math:`2 a_2 - 1` of them run
 **Lean.** Hiding selects slopes along the view, and the slopes of long waves more than in proportion: visible facets lie on the visible
 flanks of long waves. Where these run obliquely to the view, their slopes along and across it are correlated, so that visible facets of a
 slope along the view lean to one side. With :math:`x` the share of the slope variance along the view in the waves whose wavenumber along it
-is below a number (:func:`waves_along`), and :math:`y(x)` the covariance of their slopes along and across it over that variance, the mean
+is below a number (``waves_along``), and :math:`y(x)` the covariance of their slopes along and across it over that variance, the mean
 slope across the view is shifted by
 
 .. math:: \delta = \sigma_1 \int \frac{dy}{dx}\, \frac{dE}{dx}\, dx, \qquad E = E_\frac{1}{2}\, \frac{h(x)}{h_\mathrm{max}}
 
 with :math:`h(x) = x^{0.62} (1 - x)`, :math:`\sigma_1` the rms slope along the view, :math:`E(x)` the excess of the mean slope of the
 longer waves over their share of the facet's slope, in rms slopes, and :math:`E_{1/2}` the excess at half of the variance by the law of
-nested bands (:mod:`seaglint.sea.shadowing.nested`) times :data:`LEAN`. The shape is fitted to brute force over isotropic seas, the factor
+nested bands (:mod:`seaglint.sea.shadowing.nested`) times ``LEAN``. The shape is fitted to brute force over isotropic seas, the factor
 to glint under oblique wind (``docs/figures/hidden_facets.py``). The lean is 0 in the vertical plane of waves that run along it.
 """
 
@@ -117,7 +117,7 @@ def breadth(slopes: SlopeStatistics, azimuth: float) -> float:
 def bands_along(slopes: SlopeStatistics, azimuth: float) -> float:
     """Number of bands of the nested law for views along an azimuth [rad], or against it [1].
 
-    By the :func:`breadth` of the waves if a spectrum is known; else by the slope variance alone. Both agree within 0.25
+    By the ``breadth`` of the waves if a spectrum is known; else by the slope variance alone. Both agree within 0.25
     for isotropic seas of Elfouhaily's shape and Cox and Munk's slope variance from 2 to 7 m/s.
     """
     return bands_of_breadth(breadth(slopes, azimuth)) if slopes.nesting else bands_of(slopes.mss)
@@ -142,7 +142,7 @@ def _lean_table(bands: int) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def lean_table(bands: float) -> FloatArray:
-    """Table of the excess at half of the variance, for :func:`lean_kernel` [(views, slopes)]; of zeros for one band."""
+    """Table of the excess at half of the variance, for ``lean_kernel`` [(views, slopes)]; of zeros for one band."""
     whole = max(int(bands), 1)
     remainder = max(bands, 1.0) - whole
     low = _lean_table(whole)
@@ -153,7 +153,7 @@ def lean_table(bands: float) -> FloatArray:
 def lean_kernel(slope: float, edge: float, gain: float, table: FloatArray) -> float:
     """Shift of the mean slope across the view in rms slopes along it [1], towards the right of the direction to the viewer.
 
-    ``slope`` along the view and ``edge``, the cotangent of the view zenith, are in rms slopes; ``gain`` is of :func:`lean_gains`.
+    ``slope`` along the view and ``edge``, the cotangent of the view zenith, are in rms slopes; ``gain`` is of ``lean_gains``.
     """
     if table.shape[0] < 2 or edge >= HIGHEST or gain == 0.0:
         return 0.0
@@ -168,7 +168,7 @@ def lean_kernel(slope: float, edge: float, gain: float, table: FloatArray) -> fl
 
 @lru_cache(maxsize=256)
 def lean_gains(slopes: SlopeStatistics, resolved: float = 0.0) -> FloatArray:
-    """Gains at azimuths of the direction to the viewer from the wind's [1, (:data:`AZIMUTHS`,)], over half a circle.
+    """Gains at azimuths of the direction to the viewer from the wind's [1, (``AZIMUTHS``,)], over half a circle.
 
     The integral of the module for :math:`E_{1/2} = 1`, over all waves except those that are geometry: the longest, which have the
     slope variance ``resolved`` [1].
@@ -187,7 +187,7 @@ def lean_gains(slopes: SlopeStatistics, resolved: float = 0.0) -> FloatArray:
 
 @kernel
 def gain_at(gains: FloatArray, turn: float) -> float:
-    """Gain at an azimuth ``turn`` from the wind's [rad], linear between the azimuths of :func:`lean_gains`."""
+    """Gain at an azimuth ``turn`` from the wind's [rad], linear between the azimuths of ``lean_gains``."""
     x = turn / math.pi * gains.shape[0]
     # a direction and its opposite have one gain
     x -= math.floor(x / gains.shape[0]) * gains.shape[0]

@@ -17,16 +17,16 @@ variance, the visible density over Smith's is therefore a function of two number
 
 In the limit of infinitely many bands the slope is a Brownian motion that never meets the slope viewed edge on, and the ratio becomes
 :math:`(1 + \Lambda)(1 - e^{-2\mu(\mu - t)})`: at most :math:`1 + \Lambda`. Real waves are not infinitely far apart in scale: their number
-of bands is fitted to brute force, :func:`bands_of`.
+of bands is fitted to brute force, ``bands_of``.
 
 Facets that are both visible and lit have a law of the same kind, each band hiding facets from both legs
-(:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`). Over Smith's law
+(``seaglint.sea.shadowing.seen_and_lit.coupling_table``). Over Smith's law
 for two legs, a Sun opposite to the viewer has
 
 .. math:: R(t) = R_v(t)\,R_s(-t)\,C(t), \qquad C = \frac{B}{R_v R_s}\Big|_{N_c\ bands}
 
 with :math:`R_v` and :math:`R_s` the ratios of each leg alone and B the ratio of the joint law, of fewer bands the lower both legs are
-(:func:`seaglint.sea.shadowing.seen_and_lit.coupled_bands`). It is symmetric in viewer and Sun, and is
+(``seaglint.sea.shadowing.seen_and_lit.coupled_bands``). It is symmetric in viewer and Sun, and is
 :math:`R_v` under a high Sun. With as many bands as each leg alone the joint law is many times too dark where few facets are left:
 shadows of both legs fall on the same facets more often than bands that are independent allow.
 """
@@ -49,7 +49,7 @@ from seaglint.base.table_cache import cached_table
 from seaglint.sea.shadowing.smith import projected_area, visible_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
-#: Default number of bands of equal slope variance: about the number of winds above 7 m/s, 4.6 by :func:`bands_of`.
+#: Default number of bands of equal slope variance: about the number of winds above 7 m/s, 4.6 by ``bands_of``.
 BANDS: Final = 5
 
 #: Largest number of bands: at 64 the ratio is within 10 % of the limit of infinitely many, and the quadrature still resolves one band.
@@ -156,7 +156,7 @@ def bands_of(mss: float) -> float:
 def bands_of_breadth(breadth: float) -> float:
     """Number of bands [1] for waves of a breadth along the view: ``2.17 breadth - 0.4``, 1.3 to 4.6.
 
-    The breadth is computed by :func:`seaglint.sea.shadowing.facet_lean.breadth`.
+    The breadth is computed by ``seaglint.sea.shadowing.facet_lean.breadth``.
 
     Fitted to brute force in the vertical plane of the Sun, 0.5-10 deg down, Suns 2-20 deg high: isotropic and directional Elfouhaily seas
     of 2-12 m/s, and the seas of scenarios, whose ripples make up Cox and Munk's slopes.
@@ -173,7 +173,7 @@ def bands_of_facets(share: float, bands: float) -> float:
     Geometry hides more than in proportion to its share of ``bands``, the longest waves most of all. Below 1 the facets hide less than by
     Smith's law: the waves on which they ride fall away from the viewer. At 0 they do not hide each other.
 
-    Fitted in the vertical plane of the Sun: seas as for :func:`bands_of` with waves down to 0.25-30 m as geometry and facets on them,
+    Fitted in the vertical plane of the Sun: seas as for ``bands_of`` with waves down to 0.25-30 m as geometry and facets on them,
     against all waves as geometry. The visible and lit share in views of 0.5-7 deg, Suns 1-15 deg high, is within 5-25 % rms of brute force,
     the largest differences with both at 1 deg or below; within 20 % from 3 and 5 deg on (``docs/figures/hidden_facets.py``).
 
@@ -186,7 +186,7 @@ def bands_of_facets(share: float, bands: float) -> float:
 
 
 class Shelter(NamedTuple):
-    """Shelter that geometry gives to the facets on it; see :func:`shelter_of_facets`."""
+    """Shelter that geometry gives to the facets on it; see ``shelter_of_facets``."""
 
     slack: float  #: Share of the square of a low Sun's elevation over a facet that does not count.
     least: float  #: Least elevation of the Sun that counts, in rms slopes of the facets.
@@ -195,9 +195,9 @@ class Shelter(NamedTuple):
 
 NO_SHELTER: Final = Shelter(0.0, 0.0, 0.0)  #: Shelter of facets that carry all slopes.
 
-SLACK_ENDS: Final = 1.22  #: Elevation of the Sun in rms slopes of the facets at which half of :attr:`Shelter.slack` is left.
+SLACK_ENDS: Final = 1.22  #: Elevation of the Sun in rms slopes of the facets at which half of ``Shelter.slack`` is left.
 
-LOWEST: Final = 0.1  #: Elevation in rms slopes of facets below which :attr:`Shelter.together` grows no more.
+LOWEST: Final = 0.1  #: Elevation in rms slopes of facets below which ``Shelter.together`` grows no more.
 
 
 def shelter_of_facets(share: float) -> Shelter:
@@ -205,10 +205,10 @@ def shelter_of_facets(share: float) -> Shelter:
 
     Where geometry lights a facet that faces away the sea falls off towards the Sun, so that ripples hide less than by Smith's law about
     the facet's tilt; facets that face the Sun are hidden more, as other waves are in front of them. The elevation :math:`\mu` of the Sun
-    over the facet counts as :func:`counted_kernel`, and the visible and lit share is :math:`1 + b/(\mu_v \mu_s)` times the share by the
+    over the facet counts as ``counted_kernel``, and the visible and lit share is :math:`1 + b/(\mu_v \mu_s)` times the share by the
     law, with :math:`a = 0.60\,u`, :math:`m = 0.215\,u`, :math:`u = (1 - share)^{1/4}` and :math:`b = 0.058\,(1 - share)^{1/2}`.
 
-    Fitted as :func:`bands_of_facets` is.
+    Fitted as ``bands_of_facets`` is.
     """
     left = max(1.0 - share, 0.0)
     grown = left**0.25
@@ -227,7 +227,7 @@ def counted_kernel(edge: float, shelter: Shelter) -> float:
 
 @lru_cache(maxsize=8)
 def ratio_table(bands: int = BANDS) -> FloatArray:
-    """Table of logarithms for :func:`nested_ratio_kernel` [(rows, columns)]; empty for one band.
+    """Table of logarithms for ``nested_ratio_kernel`` [(rows, columns)]; empty for one band.
 
     Raises
     ------
@@ -255,7 +255,7 @@ def _ratios(bands: int) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArray:
-    """Table of logarithms [1] (:func:`ratio_table`) for a non-integer number of bands; empty for one.
+    """Table of logarithms [1] (``ratio_table``) for a non-integer number of bands; empty for one.
 
     Ratios are mixed, not their logarithms, so that visible densities still add up to 1.
     """
@@ -301,7 +301,7 @@ def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: Floa
 
 @kernel
 def nested_exponent_kernel(slope: float, edge: float, deviation: float, table: FloatArray) -> float:
-    """Logarithm of :func:`nested_ratio_kernel`, interpolated linearly: within 1e-3, for inner loops."""
+    """Logarithm of ``nested_ratio_kernel``, interpolated linearly: within 1e-3, for inner loops."""
     if table.shape[0] == 0 or edge >= HIGHEST * deviation:
         return 0.0
     column = (min(max(slope / deviation, -REACH), REACH) + REACH) / _STEP + 1.0
@@ -349,7 +349,7 @@ def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: Arra
 
     Notes
     -----
-    For Gaussian slopes. Interpolated within 3e-4. Accuracy: :func:`bands_of`.
+    For Gaussian slopes. Interpolated within 3e-4. Accuracy: ``bands_of``.
 
     Examples
     --------

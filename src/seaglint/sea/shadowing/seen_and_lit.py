@@ -115,7 +115,7 @@ def coupled_bands(view: FloatArray, sun: FloatArray, bands: float, deviation: fl
     and Sun in rms slopes and ``deviation`` the rms slope :math:`\sigma` of the whole sea along one direction [1].
 
     The lower both are, the more often shadows of both fall on the same facets, as on a sea of one band. Fitted to
-    brute force in the vertical plane of the Sun; see :func:`coupling_table`.
+    brute force in the vertical plane of the Sun; see ``coupling_table``.
     """
     steep = min((deviation / 0.14) ** 1.44, 1.6)
     return np.asarray(1.0 + max(bands - 1.0, 0.0) * np.minimum(0.72 * steep * (view * sun) ** 0.27, 0.55))
@@ -123,7 +123,7 @@ def coupled_bands(view: FloatArray, sun: FloatArray, bands: float, deviation: fl
 
 @lru_cache(maxsize=16)
 def coupling_table(bands: float, deviation: float) -> FloatArray:
-    r"""Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: visible and lit facets over the product of the two legs alone.
+    r"""Table for ``lit_exponent_kernel`` [(view, Sun, slope)]: visible and lit facets over the product of the two legs alone.
 
     .. math::
 
@@ -132,7 +132,7 @@ def coupling_table(bands: float, deviation: float) -> FloatArray:
 
     for a Sun opposite to the viewer: every band hides facets from both, by Smith's law for two legs about the tilt of the longer waves.
     The table holds the logarithm of the ratio of :math:`p_N` to Smith's law for two legs, over the product of the ratios of either leg
-    alone, N being :func:`coupled_bands`; 1 band has an empty table. Between whole numbers logarithms are mixed.
+    alone, N being ``coupled_bands``; 1 band has an empty table. Between whole numbers logarithms are mixed.
     """
     if bands <= 1.0:
         return np.zeros((0, 0, 0))
@@ -146,7 +146,7 @@ def coupling_table(bands: float, deviation: float) -> FloatArray:
 
 @kernel
 def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray) -> float:
-    """Logarithm from :func:`coupling_table`, interpolated linearly between its nodes.
+    """Logarithm from ``coupling_table``, interpolated linearly between its nodes.
 
     ``slope`` along the view, ``view`` and ``sun`` the elevations of viewer and Sun over the facet (cotangents of their zenith angles), all
     in rms slopes; both elevations at least 0, the Sun opposite to the viewer. 0 from the empty table of one band, and from

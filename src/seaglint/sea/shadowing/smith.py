@@ -82,7 +82,7 @@ _AREA_SERIES: Final = _area_series()
 
 @kernel
 def quick_visible_area_kernel(mean: float, deviation: float) -> float:
-    """Approximation of :func:`visible_area_kernel` for inner loops: within 1e-5 from 4 deviations below the edge up, 0 from 6 below."""
+    """Approximation of ``visible_area_kernel`` for inner loops: within 1e-5 from 4 deviations below the edge up, 0 from 6 below."""
     if mean >= 4.0 * deviation:
         return mean
     x = (mean / deviation + 6.0) * _NODES_PER_DEVIATION
@@ -154,7 +154,7 @@ def smith_lambda(nu: ArrayLike) -> FloatArray:
     Parameters
     ----------
     nu : array_like
-        ``cot(zenith)/(sqrt(2) sigma_1)`` [1, any shape]; see :func:`smith_nu`.
+        ``cot(zenith)/(sqrt(2) sigma_1)`` [1, any shape]; see ``smith_nu``.
 
     Returns
     -------
@@ -215,7 +215,7 @@ def projected_area(view_zenith: ArrayLike, mss_along: ArrayLike) -> FloatArray:
 
 @lru_cache(maxsize=64)
 def _clipping(coefficients: tuple[float, float, float, float, float]) -> tuple[float, float, FloatArray]:
-    """Mass, first moment and table of the negative part of a series; see :class:`_Series`.
+    """Mass, first moment and table of the negative part of a series; see ``_Series``.
 
     Where the wind's direction and the view's part by ``psi`` on the plane of normalised slopes, the slope along the view over its
     rms value is ``z = xi sin(psi) - eta cos(psi)``, and the table holds the integral of ``negative part * max(0, x - z)``.
@@ -287,7 +287,7 @@ def visible_area(view_zenith: ArrayLike, view_azimuth: ArrayLike, slopes: SlopeS
 
     In closed form: with ``P = sigma_u cos(turn)/sigma_1``, ``Q = sigma_c sin(turn)/sigma_1``, ``turn`` the azimuth from the direction
     the wind blows TO, the slope along the view has ``h3 = P (P^2 c03 + 3 Q^2 c21)`` and ``h4 = P^4 c04 + 6 P^2 Q^2 c22 + Q^4 c40``;
-    the area follows as in the module's text. It is the integral of exactly :meth:`SlopeStatistics.density`, negative parts at 0.
+    the area follows as in the module's text. It is the integral of exactly ``SlopeStatistics.density``, negative parts at 0.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None, cal
     They are the ``nesting`` of :class:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics`: of the spectrum up to where they reach 0.8
     of the slopes' variances, and ripples that make up the slopes. These have the spectrum's shares of every shorter length as far as its
     shorter waves suffice; variance that no wave of the spectrum accounts for, as with swell alone, is even over the logarithm of the
-    wavenumber, as broad as seas of these slopes are (:data:`_BREADTH`).
+    wavenumber, as broad as seas of these slopes are (``_BREADTH``).
 
     In light winds, where slopes are :attr:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.directed` in part, that part has these
     covariances and the rest has the covariances without the wind sea, so that the sea passes to a calm without a step.

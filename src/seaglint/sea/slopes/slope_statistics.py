@@ -112,7 +112,7 @@ class SlopeStatistics:
     def growth(self) -> FloatArray:
         r"""Wavenumbers [rad/m], and covariances of the slopes of longer waves [1, (n, 4)]: up, cross, and of both, from none to all.
 
-        The numbers of :attr:`nesting` if a spectrum gave them (:func:`~seaglint.sea.slopes.from_spectrum.nested_in`). Without a spectrum
+        The numbers of :attr:`nesting` if a spectrum gave them (``nested_in``). Without a spectrum
         a fitted shape: with x the share of the total variance, even over the logarithm of the wavenumber within exp(8.5), and a the part of
         it by which waves along the wind exceed waves across it,
 
@@ -255,7 +255,7 @@ def joined_in_calm(
     wind_to_azimuth : float
         Azimuth the wind blows TO [rad].
     winds : tuple of float
-        Wind, the wind from which the fit holds, and the lightest wind of wind seas (:data:`LIGHTEST` at 10 m), all at the height of the
+        Wind, the wind from which the fit holds, and the lightest wind of wind seas (``LIGHTEST`` at 10 m), all at the height of the
         fit [m s⁻¹].
 
     Examples
@@ -276,7 +276,7 @@ def joined_in_calm(
 
 
 def at_least_residual(slopes: SlopeStatistics) -> SlopeStatistics:
-    """Return slopes of a wind sea with at least half of :data:`RESIDUAL` in every direction, as a sea without wind has.
+    """Return slopes of a wind sea with at least half of ``RESIDUAL`` in every direction, as a sea without wind has.
 
     Examples
     --------

@@ -122,7 +122,7 @@ def of_cosine(
     Raises
     ------
     DomainError
-        Widths outside :data:`seaglint.sea.spectra.directional.WIDTHS`.
+        Widths outside ``seaglint.sea.spectra.directional.WIDTHS``.
     DataError
         Values that are missing or negative.
     """

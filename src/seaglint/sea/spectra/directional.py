@@ -138,7 +138,7 @@ def downwind(angle: ArrayLike) -> FloatArray:
 
 
 def power_of_width(width: ArrayLike) -> FloatArray:
-    """Power ``s = 2/sigma^2 - 1`` of a circular width [rad]; widths outside :data:`WIDTHS` are refused.
+    """Power ``s = 2/sigma^2 - 1`` of a circular width [rad]; widths outside ``WIDTHS`` are refused.
 
     Examples
     --------

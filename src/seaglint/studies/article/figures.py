@@ -111,7 +111,7 @@ def reported(items: Sequence[Item], report: Progress) -> Iterator[tuple[int, Ite
 
 
 def glint_from_above() -> NDArray[np.float64]:
-    """Return the in-band radiance of the sea of :data:`SCENE` [W m-2 sr-1]."""
+    """Return the in-band radiance of the sea of ``SCENE`` [W m-2 sr-1]."""
     return np.asarray(image(parse_scenario(SCENE))["radiance"].to_numpy(), dtype=np.float64)
 
 
@@ -131,7 +131,7 @@ def figure_10(report: Progress = ignore_progress) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``grey_level`` over texture (0 isotropic, 1 horizontal), picture (:data:`PICTURES`), row and column; ``coupling`` and its standard
+        ``grey_level`` over texture (0 isotropic, 1 horizontal), picture (``PICTURES``), row and column; ``coupling`` and its standard
         error over texture, method (0 pseudo-likelihood, 1 likelihood given the histogram), rows down and columns right to the neighbour;
         statistics that distinguish fits and samples over texture and picture.
     """

@@ -48,7 +48,7 @@ SAMPLES: Final = 8192
 
 @dataclass(frozen=True, eq=False)
 class Fig5:
-    """Both panels: columns by name, where ``case`` counts :data:`CASES`, and the results of the printed threshold."""
+    """Both panels: columns by name, where ``case`` counts ``CASES``, and the results of the printed threshold."""
 
     columns: dict[str, FloatArray]
     brightest: float  #: Brightest glint of all draws [W m-2 sr-1].
@@ -89,7 +89,7 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
     -----
     (a) is the chance at one azimuth, the same to both sides of the Sun for winds from anywhere. The caption's (b), "for any azimuth less
     than theta_T", can be read in two ways, and both are computed: that some azimuth up to theta_T from the Sun's, of those in
-    :data:`AZIMUTHS` to both sides, exceeds (``probability_within``; the same draws look at all azimuths), and that a look in a direction
+    ``AZIMUTHS`` to both sides, exceeds (``probability_within``; the same draws look at all azimuths), and that a look in a direction
     drawn evenly among them does (``probability_averaged``, the mean of (a) up to theta_T).
     """
     progress = report or (lambda done, total: None)
@@ -274,7 +274,7 @@ def sequence(
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Scenario:
-    """Render the sequence into a store, with its labels; see :func:`seaglint.studies.sequence.render_sequence.render`."""
+    """Render the sequence into a store, with its labels; see ``seaglint.studies.sequence.render_sequence.render``."""
     scenario = scene(pixels)
     render(scenario, output, frames=frames, resume=resume, overwrite=overwrite, progress=progress)
     return scenario

@@ -6,7 +6,7 @@ The rates depend on wind, Sun and range; ``docs/figures/false_alarm_table.py`` c
 
 The article's pictures come from a sensor, the General Dynamics Advanced Imaging Sensor, of which it states neither pixels nor blur.
 Correlation times need a blur: it joins neighbouring glints and prolongs them. So the same frames are counted twice, as rendered and
-through a detector (:data:`BLUR_PX`), and again with other blurs (:data:`BLURS_PX`).
+through a detector (``BLUR_PX``), and again with other blurs (``BLURS_PX``).
 """
 
 from __future__ import annotations

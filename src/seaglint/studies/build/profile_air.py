@@ -76,13 +76,13 @@ def program_levels(path: str | Path, model: str = "midlatitude-summer") -> tuple
     Raises
     ------
     DataError
-        As :func:`~seaglint.formats.soundings.sounding.read_sounding`.
+        As ``read_sounding``.
     """
     return levels_of(read_sounding(path), model)
 
 
 def levels_of(sounding: Sounding, model: str) -> tuple[ProfileLevel, ...]:
-    """Return the levels of a sounding that was read, as :func:`program_levels` does; above its end humidity is the model's."""
+    """Return the levels of a sounding that was read, as ``program_levels`` does; above its end humidity is the model's."""
     return _to_the_top(np.column_stack((sounding.height, sounding.pressure, sounding.temperature, sounding.humidity(model))))
 
 
@@ -119,7 +119,7 @@ def scenario_sounding(requested: AirWithSounding, scenario: Scenario) -> Soundin
     Raises
     ------
     DataError
-        As :func:`~seaglint.formats.soundings.sounding.read_sounding`.
+        As ``read_sounding``.
     """
     assert requested.sounding is not None  # callers checked
     place = None if scenario.place is None else (scenario.place.latitude_deg, scenario.place.longitude_deg)
@@ -153,7 +153,7 @@ def program_sounding(requested: AirWithSounding, scenario: Scenario, over: Band)
     Raises
     ------
     DataError
-        As :func:`~seaglint.formats.soundings.sounding.read_sounding`.
+        As ``read_sounding``.
     """
     if requested.sounding is None:
         return ()
@@ -182,7 +182,7 @@ def _effect(part: Continuation, profile: AirProfile, scenario: Scenario, over: B
 
 
 def _thinned(profile: AirProfile, height: float) -> AirProfile:
-    """Return at most about :data:`MOST_SKY_LEVELS` levels of a profile, the level at a height [m] among them."""
+    """Return at most about ``MOST_SKY_LEVELS`` levels of a profile, the level at a height [m] among them."""
     step = -(-profile.height.size // MOST_SKY_LEVELS)
     if step == 1:
         return profile

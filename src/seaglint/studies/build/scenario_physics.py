@@ -1,7 +1,7 @@
 """Physics of a scenario: band, air, sea, view, camera and track, in SI units.
 
 Names in the scenario's tables select models. A sensor on a floating platform rides on the waves. Refraction is standard, or follows the
-profile of the air (:func:`bending`).
+profile of the air (``bending``).
 """
 
 from __future__ import annotations

@@ -209,7 +209,7 @@ def line_of_sight_rates(track: Track, time: float, exposure: float, projection: 
 
 
 def platform_rates(scenario: Scenario, exposure: float) -> tuple[float, float]:
-    """Return the root mean square of :func:`line_of_sight_rates` over the scenario's frames [rad s-1]; signs are not known to an MTF."""
+    """Return the root mean square of ``line_of_sight_rates`` over the scenario's frames [rad s-1]; signs are not known to an MTF."""
     platform, sensor = scenario.platform, scenario.sensor
     if platform is None:
         return (0.0, 0.0)

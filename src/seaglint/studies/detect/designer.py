@@ -271,7 +271,7 @@ def tried_detectors(
 
 
 def contrast_margin(source: FrameSource, options: DetectionOptions, contrast: float, design: Design) -> float | None:
-    """Return a contrast over the contrast at which the requested P_d is reached, at most :data:`LARGEST` [1]; None below :data:`SMALLEST`.
+    """Return a contrast over the contrast at which the requested P_d is reached, at most ``LARGEST`` [1]; None below ``SMALLEST``.
 
     P_d is counted at seventeen contrasts, taken to rise with the contrast, and interpolated in its logarithm.
 

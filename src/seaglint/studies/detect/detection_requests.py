@@ -35,7 +35,7 @@ PRECISION: Final = 0.04  #: Share of the range at which its bisection ends where
 class DetectorRequest:
     """Parameters that all kinds of request share: the detector and the injection of objects.
 
-    Each has a line of help. ``kernel`` and ``signature`` are arrays or :class:`WeightsFile`; ``filter`` may also be a filter itself.
+    Each has a line of help. ``kernel`` and ``signature`` are arrays or ``WeightsFile``; ``filter`` may also be a filter itself.
     """
 
     usual_detector: ClassVar[str] = "threshold"  #: Detector of a request that names none.
@@ -228,7 +228,7 @@ class RecordingRequest(ReadingRequest, SpotRequest):
             "frames without objects: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, HDF5, video, raw",
             "",
             metavar="INPUT",
-            python="Frames without objects as for :func:`seaglint.api.analyze`, or a scenario, of which independent seas are rendered.",
+            python="Frames without objects as for :func:`sg.analyze`, or a scenario, of which independent seas are rendered.",
         ),
     ]
     pixel_mrad: Annotated[float | None, Parameter("angle of a pixel, where the file does not say [mrad]", "Recording")] = None
@@ -348,7 +348,7 @@ class SceneRequest(CasesRequest, SpotRequest):
         return None
 
     def require_valid(self) -> None:
-        """Refuse numbers that are not allowed, see :meth:`CasesRequest.require_valid`."""
+        """Refuse numbers that are not allowed, see ``CasesRequest.require_valid``."""
         self.design()
         super().require_valid()
         self.strength()
@@ -358,7 +358,7 @@ class SceneRequest(CasesRequest, SpotRequest):
 
     @property
     def settings(self) -> tuple[Any, ...]:
-        """Everything except the scenario on which a result depends, see :attr:`CasesRequest.settings`."""
+        """Everything except the scenario on which a result depends, see ``CasesRequest.settings``."""
         scene = (self.kind, self.strength(), self.own_shape, self.precision, self.precision_fa, self.design())
         return (*super().settings, *scene)
 
@@ -413,7 +413,7 @@ class RangeRequest(RateRequest, CasesRequest):
 
     @property
     def settings(self) -> tuple[Any, ...]:
-        """Everything except the scenario on which P_d at a range depends, see :attr:`CasesRequest.settings`."""
+        """Everything except the scenario on which P_d at a range depends, see ``CasesRequest.settings``."""
         return (*super().settings, self.design())
 
     def of_objects(self, names: Sequence[str]) -> Self:

@@ -137,7 +137,7 @@ def spot_of(response: FloatArray, steps: int) -> tuple[FineSpot, float]:
 
 
 def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
-    """Return the shape of a point behind the sensor, and its :func:`~seaglint.instrument.figures_of_merit.point_response`.
+    """Return the shape of a point behind the sensor, and its ``point_response``.
 
     Without a sensor the shape is a spot within one pixel.
     """

@@ -103,8 +103,8 @@ def background_of(seas: IndependentSeas, row: int, half: int) -> tuple[Backgroun
     """Return what lies around a row of the picture, and the first and end of the rows that are like it.
 
     A row is sea, or sky, where all of its pixels are, by their elevation against the dip of the horizon ``sqrt(2 h / R)`` with standard
-    refraction, :data:`MARGIN` rows apart. The background is that about the horizon where the object, ``half`` rows either way, comes near
-    it, and where fewer than :data:`FEWEST` rows are alike.
+    refraction, ``MARGIN`` rows apart. The background is that about the horizon where the object, ``half`` rows either way, comes near
+    it, and where fewer than ``FEWEST`` rows are alike.
     """
     rows = seas.size[0]
     high, low, dip = _elevations(seas)

@@ -45,16 +45,16 @@ class DetectionOptions:
     """Detector, objects and threshold of an evaluation."""
 
     objects: InjectedObjects  #: Injected objects.
-    detector: str = "threshold"  #: Name (:data:`seaglint.detection.named_detectors.NAMES`), or ``package.module:function``.
+    detector: str = "threshold"  #: Name (``seaglint.detection.named_detectors.NAMES``), or ``package.module:function``.
     filter: Filter = field(default_factory=Unfiltered)  #: Filter before the detector.
     threshold: float = 4.0  #: Threshold in the unit of ``law``.
-    law: Law = "sigma"  #: Law of the threshold, see :class:`seaglint.detection.background.Threshold`.
+    law: Law = "sigma"  #: Law of the threshold, see ``seaglint.detection.background.Threshold``.
     level: float = 0.95  #: Confidence level of the intervals [1].
     frame_rate: float | None = None  #: Frames per second [Hz], for rates in time.
     #: Angle between rows and between columns [deg], for rates per square degree and errors in angle.
     pixel_deg: tuple[float, float] | None = None
     time_limit: float = TIME_LIMIT  #: Longest time of a call of a user's detector [s].
-    #: Condition to stop before all objects are tried (:func:`seaglint.detection.trials.run_trials`).
+    #: Condition to stop before all objects are tried (``seaglint.detection.trials.run_trials``).
     enough: Callable[[Sequence[int]], str | None] | None = None
 
     def __post_init__(self) -> None:
@@ -236,7 +236,7 @@ class Performance:
 
 
 def shown(result: Mapping[str, Any], texts: Iterable[str]) -> str:
-    """Return HTML of :meth:`Performance.as_dict` for a notebook: detection of each contrast, false alarms, and notes."""
+    """Return HTML of ``Performance.as_dict`` for a notebook: detection of each contrast, false alarms, and notes."""
     names = ("contrast", "injections", "detected", "p_d", "p_d_interval")
     rows = [tuple(line[name] for name in names) for line in result["sweep"]]
     facts = [
@@ -314,7 +314,7 @@ def detect(
 def as_given(source: FrameSource, options: DetectionOptions) -> FrameSource:
     """Return the source in the file's own numbers where the detector's statistic depends on their level in an unknown way.
 
-    A recording subtracts a level from its frames for the sake of precision (:attr:`seaglint.analysis.Recording.offset`). Fixed thresholds
+    A recording subtracts a level from its frames for the sake of precision (``seaglint.analysis.Recording.offset``). Fixed thresholds
     of statistics that are not linear, a user's function and the ratio of exponential clutter need the level.
     """
     needs_level = ":" in options.detector or "exponential" in options.detector

@@ -1,8 +1,8 @@
 """Range up to which an object of a scenario is detected: bisection over the range, where path, size and clutter change together.
 
-The object is placed at a range along the line of sight (:func:`placed_at`). A first estimate takes seconds: the object's contrast, the
-deviation of a few small seas, and the Gaussian law (:func:`first_estimate`). Frames refine it (:func:`detection_range`), and
-:func:`doubts` lists the reasons for which the range is unreliable.
+The object is placed at a range along the line of sight (``placed_at``). A first estimate takes seconds: the object's contrast, the
+deviation of a few small seas, and the Gaussian law (``first_estimate``). Frames refine it (``detection_range``), and
+``doubts`` lists the reasons for which the range is unreliable.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ def looking_near(placed: Scenario) -> Scenario:
     """Return a placed scenario whose line of sight is the nearest of a fixed series, and which has a single frame.
 
     Objects at most ranges are within a few rows of one line of sight, as the elevation of the sea changes little beyond some kilometres.
-    Scenes of one line of sight differ in the object alone. The series has steps of :data:`LOOK_ROWS` rows, in pictures of fewer than 48
+    Scenes of one line of sight differ in the object alone. The series has steps of ``LOOK_ROWS`` rows, in pictures of fewer than 48
     rows of a sixth of the picture, so that the object remains within half a step of the middle row.
     """
     sensor = placed.sensor
@@ -437,7 +437,7 @@ def _over_seas(
 
 
 def first_estimate(scenario: Scenario, request: RangeRequest, bearing: float | None, scenes: RangeScenes) -> float:
-    """Return the range at which P_d of :func:`estimated_p_d` falls below the requested P_d [m].
+    """Return the range at which P_d of ``estimated_p_d`` falls below the requested P_d [m].
 
     It is the nearest range where P_d is below at once, and close to the farthest where P_d is never below.
     """
@@ -474,7 +474,7 @@ def choose(
 ) -> DetectorChoice:
     """Choose a detector by its margin of contrast at an estimate of the range.
 
-    Where even the best has a margin beyond :data:`ALIKE`, its range is elsewhere and others may be better there: the contrast is taken to
+    Where even the best has a margin beyond ``ALIKE``, its range is elsewhere and others may be better there: the contrast is taken to
     fall with the 2.5th power of the range, and the list is tried again at the range that follows, three times at most. Where waves hide
     the object in more seas than it may be missed in, the list is tried again at half the range.
     """
@@ -516,7 +516,7 @@ def detection_range(
 
     P_d is taken to fall with the range. Frames are first searched near an estimate by the Gaussian law; from there the range is changed
     until P_d is above and below the requested P_d, and the logarithm of the range between is bisected. The ends are the interval reported.
-    Where the request states no detector, the best of :data:`~seaglint.detection.detector_names.TRIED` at the estimate is taken, and the
+    Where the request states no detector, the best of ``TRIED`` at the estimate is taken, and the
     search begins where it was chosen. Seas are rendered by ``workers``, by default in this process; results do not depend on them.
 
     Returns

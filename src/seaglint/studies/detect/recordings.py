@@ -127,7 +127,7 @@ def run_recording(
     options : DetectionOptions
         Detector and objects.
     settings : sequence of dict
-        Settings of each case, see :func:`settings_of`.
+        Settings of each case, see ``settings_of``.
     progress : callable, optional
         Called with (steps done, steps in all).
 
@@ -153,7 +153,7 @@ def run_recording(
 
 
 def judged_of(performance: Performance, source: Recording) -> DetectorResult:
-    """Return the results on a recording in the form in which :func:`seaglint.studies.detect.rendered_seas.run_scene` returns them."""
+    """Return the results on a recording in the form in which ``seaglint.studies.detect.rendered_seas.run_scene`` returns them."""
     result = performance.as_dict() | {"units": source.units, "frame_rate_hz": source.frame_rate}
     result["cases"] = [
         {key: entry[key] for key in ("contrast", "p_d", "p_d_interval", "injections", "detected")} for entry in result["sweep"]

@@ -56,7 +56,7 @@ def counting_of(model: SensorModel) -> Counting:
 
 @dataclass(frozen=True, eq=False)
 class IndependentSeas:
-    """Prepared scenario, from which independent seas are drawn; make it with :meth:`of`."""
+    """Prepared scenario, from which independent seas are drawn; make it with ``of``."""
 
     scenario: Scenario  #: Scenario without objects.
     sequence: Sequence  #: Rendered scene; with a sensor drawn finer than its pixels.
@@ -152,7 +152,7 @@ class IndependentSeas:
 
 @dataclass(eq=False)
 class SceneFrames(PlainFrames):
-    """Independent seas on disk as a :class:`seaglint.detection.sources.FrameSource`."""
+    """Independent seas on disk as a ``seaglint.detection.sources.FrameSource``."""
 
     seas: IndependentSeas  #: Prepared scenario.
     folder: Path  #: Folder of the frames, a file for each sea.

@@ -32,7 +32,7 @@ class StudyCase:
 
     parameters: TomlTables  #: Keys that were set, with their values.
     scenario: Scenario  #: Scenario with these values.
-    study: TomlTables  #: Parameters in :data:`STUDY_KEYS`, which are no keys of the scenario.
+    study: TomlTables  #: Parameters in ``STUDY_KEYS``, which are no keys of the scenario.
 
 
 def cases_of(

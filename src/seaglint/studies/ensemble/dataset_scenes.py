@@ -132,7 +132,7 @@ def is_short(scenario: Scenario) -> bool:
 
 
 def held_scene(scenario: Scenario, source: Path, threads: int | None, cached: SceneCache) -> LabelledScene:
-    """Draw the frames of a scene, as :func:`render_scene` does, and hold them in memory.
+    """Draw the frames of a scene, as ``render_scene`` does, and hold them in memory.
 
     Raises
     ------

@@ -48,7 +48,7 @@ _REPLACED: Final = ".replaced"
 class DatasetOptions:
     """Format and pictures of a data set."""
 
-    format: str  #: Name of one of :data:`seaglint.formats.dataset.FORMATS`.
+    format: str  #: Name of one of ``seaglint.formats.dataset.FORMATS``.
     bits: Bits  #: Bits of a pixel.
     image: ImageKind  #: Kind of picture: ``png`` or ``tiff``.
 
@@ -291,7 +291,7 @@ def ensemble_dataset(
     Parameters
     ----------
     source : EnsembleSource
-        See :func:`read_source`.
+        See ``read_source``.
     output : path
         Folder to make.
     options : DatasetOptions
@@ -313,7 +313,7 @@ def ensemble_dataset(
     Raises
     ------
     SeaglintError
-        See :func:`seaglint.studies.ensemble.render_ensemble.render_ensemble` and :func:`make_dataset`.
+        See ``seaglint.studies.ensemble.render_ensemble.render_ensemble`` and ``make_dataset``.
     """
     ensemble = source.ensemble
     drawn = draw(ensemble)

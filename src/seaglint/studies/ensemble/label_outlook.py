@@ -60,7 +60,7 @@ def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
 class WeakLabels:
     """Estimated number of weak labels, from the first frames of some scenes."""
 
-    weak: int  #: Labels with a ratio below :data:`WEAK` in the frames drawn.
+    weak: int  #: Labels with a ratio below ``WEAK`` in the frames drawn.
     seen: int  #: All labels with a ratio in the frames drawn.
     frames: int  #: Frames drawn.
     labels: int  #: Labels expected in all frames of all scenes.

@@ -1,6 +1,6 @@
 """Draws of an ensemble: uniform numbers, and the values that its laws give to keys, weather and objects, scene by scene.
 
-Objects may be placed by pixel of the first frame; :class:`PixelGrid` gives their place on or above the sea.
+Objects may be placed by pixel of the first frame; ``PixelGrid`` gives their place on or above the sea.
 """
 
 from __future__ import annotations

@@ -55,7 +55,7 @@ def draw(ensemble: Ensemble) -> list[EnsembleScene]:
 
 
 def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
-    """Iterate over the scenes of an ensemble; see :func:`draw`."""
+    """Iterate over the scenes of an ensemble; see ``draw``."""
     settings = ensemble.ensemble
     sampled = ["weather" if isinstance(law, Weather) else law.key or "" for law in ensemble.vary]
     sampled += [count_key(template) for template in ensemble.objects if not isinstance(template.count, int)]
@@ -144,7 +144,7 @@ def render_ensemble(
     Parameters
     ----------
     ensemble : Ensemble
-        See :func:`seaglint.scenario.ensemble_file.load_ensemble`.
+        See ``seaglint.scenario.ensemble_file.load_ensemble``.
     output : path
         Folder to make: ``ensemble.toml``, ``parameters.csv``, ``objects.csv`` (both also as Parquet where PyArrow is installed), and
         ``scenes/0000.toml``, ``scenes/0000.zarr`` and so on.
@@ -171,7 +171,7 @@ def render_ensemble(
     Interrupted
         After SIGINT or SIGTERM; finished scenes stay and the ensemble can be resumed.
     SeaglintError
-        See :func:`draw`; nothing is written then.
+        See ``draw``; nothing is written then.
     """
     folder = Folder(refuse_file_ending(Path(output), "an ensemble"))
     folder.check(resume=resume, overwrite=overwrite)

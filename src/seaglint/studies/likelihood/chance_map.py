@@ -61,7 +61,7 @@ def likelihood_map(
         Scenario with a region in ``[likelihood]``.
     {request}
     samples : int, optional
-        Draws for each cell and month; :data:`INTEGRATED` where azimuths can be integrated, else :data:`SAMPLES`.
+        Draws for each cell and month; ``INTEGRATED`` where azimuths can be integrated, else ``SAMPLES``.
     weather : WeatherTable, optional
         Weather that replaces the scenario's.
     progress : callable, optional
@@ -125,7 +125,7 @@ def likelihood_map(
 
 
 class MapSettings(NamedTuple):
-    """Settings of a map; see :func:`likelihood_map`."""
+    """Settings of a map; see ``likelihood_map``."""
 
     scenario: Scenario
     step: float

@@ -47,7 +47,7 @@ LOOK_COLUMNS = ("depression_deg", "azimuth_from_sun_deg", "height_m", "weight")
 
 @dataclass(frozen=True, eq=False)
 class LikelihoodModel:
-    """Weather, times, places, seas and sunlight for the draws of one scenario. Make it with :meth:`of`."""
+    """Weather, times, places, seas and sunlight for the draws of one scenario. Make it with ``of``."""
 
     scenario: Scenario  #: Scenario with ``[likelihood]``.
     table: WeatherTable  #: Rows with wind and cover, in the order of the wind.

@@ -64,7 +64,7 @@ class Draws:
 
 @dataclass(frozen=True, eq=False)
 class GlintLikelihood:
-    """Chances of glint with their draws. Made by :func:`likelihood`."""
+    """Chances of glint with their draws. Made by ``likelihood``."""
 
     model: LikelihoodModel
     draws: Draws

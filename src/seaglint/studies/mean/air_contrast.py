@@ -86,7 +86,7 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
         With its band, sensor and air.
     ranges : sequence of float, optional
         Distances along the sea [m]; by default the distance of the nearest object, or of the sea in the middle of the picture, or
-        :data:`BEYOND` if the middle shows no sea.
+        ``BEYOND`` if the middle shows no sea.
 
     Returns
     -------
@@ -125,7 +125,7 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
 
 
 def air_line(scenario: Scenario, ranges: Sequence[float] | None = None) -> str | None:
-    """Return the sentence of :func:`air_contrast`; None where both temperatures are stated, or the air's is not known.
+    """Return the sentence of ``air_contrast``; None where both temperatures are stated, or the air's is not known.
 
     It is None also for a scenario that a model refuses: the computation that follows reports the reason.
     """

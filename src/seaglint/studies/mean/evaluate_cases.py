@@ -1,7 +1,7 @@
 """Results for tables of cases, row by row: the air, scattered sunlight, and the emissivity and mean radiance of the sea.
 
-Each function takes the cases of a CSV file (:mod:`seaglint.formats.tables.input_tables`) and returns columns by name, in the order of the
-rows; :func:`labelled_cases` makes a dataset of them, with bands as an axis. Slope models are named in the rows. Continuous air is summed
+Each function takes the cases of a CSV file (``seaglint.formats.tables.input_tables``) and returns columns by name, in the order of the
+rows; ``labelled_cases`` makes a dataset of them, with bands as an axis. Slope models are named in the rows. Continuous air is summed
 ray by ray with LOWTRAN7's band laws.
 """
 
@@ -44,7 +44,7 @@ Columns = dict[str, FloatArray | list[str]]
 #: Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth.
 WIND_FROM: Final = "wind_from_deg"
 
-SLOPES: Final = "slopes"  #: Another that may be missing: the slope model of each row, one of :data:`SLOPE_KINDS`.
+SLOPES: Final = "slopes"  #: Another that may be missing: the slope model of each row, one of ``SLOPE_KINDS``.
 
 SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gram-charlier")
 
@@ -190,7 +190,7 @@ def evaluate_atmosphere(
     Parameters
     ----------
     cases : Cases
-        With the columns :data:`ATMOSPHERE_INPUTS`; depression is the depression of LOWTRAN7's refracted ray at the sensor.
+        With the columns ``ATMOSPHERE_INPUTS``; depression is the depression of LOWTRAN7's refracted ray at the sensor.
     {request}
     progress : callable, optional
         Called with (done, total).
@@ -255,7 +255,7 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
     Parameters
     ----------
     cases : Cases
-        With the columns :data:`EMISSIVITY_INPUTS`; the wind is taken as the one at 12.5 m that the fit is made for.
+        With the columns ``EMISSIVITY_INPUTS``; the wind is taken as the one at 12.5 m that the fit is made for.
     {request}
     progress : callable, optional
         Called with (done, total).
@@ -305,9 +305,9 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     Parameters
     ----------
     cases : Cases
-        With the columns :data:`MEAN_INPUTS`; a relative azimuth of 0 looks towards the Sun, the pixel is ``ifov_mrad`` square. With the
-        column :data:`WIND_FROM` as well, slopes are Cox and Munk's along and across that wind; 0 comes from the Sun's side. The column
-        :data:`SLOPES` chooses another of their models.
+        With the columns ``MEAN_INPUTS``; a relative azimuth of 0 looks towards the Sun, the pixel is ``ifov_mrad`` square. With the
+        column ``WIND_FROM`` as well, slopes are Cox and Munk's along and across that wind; 0 comes from the Sun's side. The column
+        ``SLOPES`` chooses another of their models.
     {request}
     progress : callable, optional
         Called with (done, total).
@@ -387,7 +387,7 @@ def evaluate_scattered(
     Parameters
     ----------
     cases : Cases
-        With the columns :data:`SCATTERED_INPUTS`; elevation is the elevation of LOWTRAN7's refracted ray at the sensor, below 0 for
+        With the columns ``SCATTERED_INPUTS``; elevation is the elevation of LOWTRAN7's refracted ray at the sensor, below 0 for
         paths; the Sun's zenith angle at the sensor is without refraction, as LOWTRAN7 takes it.
     {request}
     progress : callable, optional
@@ -535,7 +535,7 @@ def labelled_cases(cases: Cases, results: Columns) -> xr.Dataset:
     cases : Cases
         The cases.
     results : mapping
-        Columns by name, as :mod:`seaglint.studies.mean.evaluate_cases` gives them.
+        Columns by name, as ``seaglint.studies.mean.evaluate_cases`` gives them.
     """
     import xarray as xr
 

@@ -49,7 +49,7 @@ MAPS: Final = ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radia
 #: within 1e-4 of the mean.
 ROW_SHARE: Final = 0.02
 
-ROW_POINTS: Final = 8  #: Elevations averaged in such a pixel, and azimuths where columns are not upright and :data:`SIDE` do not serve.
+ROW_POINTS: Final = 8  #: Elevations averaged in such a pixel, and azimuths where columns are not upright and ``SIDE`` do not serve.
 
 CUT_POINTS: Final = 64  #: Elevations averaged in a whole row that the horizon cuts: the share of it that is sea is within 1/128.
 
@@ -69,7 +69,7 @@ Sights = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 
 
 def over_pixels(imager: Imager, pose: Pose, components_along: Sights, progress: Progress | None = None) -> dict[str, FloatArray]:
-    """Return means over the pixels of a camera [W m-2 sr-1, (rows, columns)], by the names of :data:`MAPS`.
+    """Return means over the pixels of a camera [W m-2 sr-1, (rows, columns)], by the names of ``MAPS``.
 
     Cells of the sea are independent, so a pixel's variance is the mean of its lines of sight, each with the solid angle of the pixel.
     """
@@ -296,10 +296,10 @@ def _components_along(scenario: Scenario, view: SeaView, length: float) -> Sight
 
 @dataclass(frozen=True, eq=False)
 class RowAverage:
-    """Elevations within the height of each pixel row, and the mean over them, as an image has it. Make it with :meth:`of`.
+    """Elevations within the height of each pixel row, and the mean over them, as an image has it. Make it with ``of``.
 
-    Rows that are high against their distance from the horizon are the mean of :data:`ROW_POINTS` elevations, the row that the horizon cuts
-    of :data:`CUT_POINTS`; for others the middle serves.
+    Rows that are high against their distance from the horizon are the mean of ``ROW_POINTS`` elevations, the row that the horizon cuts
+    of ``CUT_POINTS``; for others the middle serves.
     """
 
     elevations: FloatArray

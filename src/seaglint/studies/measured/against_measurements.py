@@ -76,10 +76,10 @@ ABSENT: Final[dict[tuple[int, int], tuple[str, ...]]] = {
     (2680, 3250): ("O3",),
 }
 
-#: Gases that it has in a band above :data:`TOP_HPA` only, where paths of the band are not compared.
+#: Gases that it has in a band above ``TOP_HPA`` only, where paths of the band are not compared.
 BELOW: Final[dict[tuple[int, int], tuple[str, ...]]] = {(2080, 2250): ("O3",)}
 
-#: Bands in which RRTMGP leaves out the gases of the lower air above :data:`TOP_HPA`: paths there are not compared.
+#: Bands in which RRTMGP leaves out the gases of the lower air above ``TOP_HPA``: paths there are not compared.
 LOWER_CM: Final = ((820, 980), (1800, 2080), (2080, 2250), (2390, 2680))
 
 TOP_HPA: Final = 100.0  #: Pressure above which RRTMGP has other gases [hPa]: 99.5, where its troposphere ends.

@@ -113,7 +113,7 @@ def compare_spectrum(
     depression_deg: float | None = None,
     spectroscopy: str | None = None,
 ) -> SpectrumComparison:
-    """Compare a measured spectrum with the spectrum of a scenario; see :func:`seaglint.compare_spectrum`.
+    """Compare a measured spectrum with the spectrum of a scenario; see :func:`sg.compare_spectrum`.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def stated_spectrum(spectrum: str | Path | Mapping[str, ArrayLike] | MeasuredLig
     Raises
     ------
     DataError
-        As :func:`seaglint.formats.tables.spectra.read_spectrum`.
+        As ``seaglint.formats.tables.spectra.read_spectrum``.
     """
     if isinstance(spectrum, MeasuredLight):
         return spectrum
@@ -279,7 +279,7 @@ def _of_band(scenario: Scenario, nu: FloatArray, spectroscopy: str | None) -> Sc
 def scene_spectrum(view: SeaView, elevation: float, azimuth: float) -> FloatArray:
     """Return the mean radiance of a view in one direction on its air's samples [W m-2 sr-1 per cm-1, (n,)].
 
-    Sunlight that the sea mirrors and the air scatters is summed in at most :data:`BLOCKS` parts of the spectrum below 5.5 um; inside a part
+    Sunlight that the sea mirrors and the air scatters is summed in at most ``BLOCKS`` parts of the spectrum below 5.5 um; inside a part
     it has the shape of the direct sunlight behind the path.
     """
     air, height = view.atmosphere, view.sensor_height

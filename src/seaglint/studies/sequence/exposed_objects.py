@@ -1,6 +1,6 @@
 """Objects of a scenario on a detector's pixels during an exposure.
 
-An :class:`ExposurePlan` has the place, time and instants of each part of each object. :class:`ExposedObjects` adds their light at these
+An ``ExposurePlan`` has the place, time and instants of each part of each object. ``ExposedObjects`` adds their light at these
 places, blurred by the optics, over a sea that is also blurred by the platform's motion.
 """
 
@@ -199,7 +199,7 @@ class ExposurePlan:
     def _meetings(self, time: float, delays_and_paths: Sequence[tuple[float, ImagePath]]) -> list[int]:
         """Return the number of instants at which each part is drawn, since in its exposure it meets another body or the picture's edge.
 
-        The bodies in front of it, and its part of the picture, change with time: it moves :data:`APART` between two instants.
+        The bodies in front of it, and its part of the picture, change with time: it moves ``APART`` between two instants.
         """
         # Nine instants bound the motion during an exposure.
         half = 0.5 * self.model.exposure_time * np.linspace(-1.0, 1.0, 9)
@@ -300,7 +300,7 @@ class ObjectLight:
 
 @dataclass(frozen=True, eq=False)
 class ExposedObjects:
-    """Objects before a sensor. Make it with :meth:`of`."""
+    """Objects before a sensor. Make it with ``of``."""
 
     objects: SceneObjects
     track: Track

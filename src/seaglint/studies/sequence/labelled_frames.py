@@ -38,7 +38,7 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     time : float
         Time from the start [s].
     layers : collection of str
-        Further images, of :data:`seaglint.base.schema.LAYERS`.
+        Further images, of ``seaglint.base.schema.LAYERS``.
 
     Returns
     -------

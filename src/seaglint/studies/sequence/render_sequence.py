@@ -64,7 +64,7 @@ def render(
     Parameters
     ----------
     scenario : Scenario
-        Scenario to render; see :func:`seaglint.scenario.load.load_scenario`.
+        Scenario to render; see ``seaglint.scenario.load.load_scenario``.
     output : path
         Store to make, customarily ``*.zarr``.
     frames : range, optional
@@ -77,7 +77,7 @@ def render(
         Called with (frames done, frames in all).
     share : Share, optional
         Render the units of the share alone, into a store that other shares write too;
-        :func:`seaglint.store.sequence_store.finish_sequence` names it.
+        ``seaglint.store.sequence_store.finish_sequence`` names it.
     workers : Workers, optional
         Workers that render; this process by default. The bytes do not depend on them.
 
@@ -89,7 +89,7 @@ def render(
     Raises
     ------
     SeaglintError
-        See :func:`seaglint.store.sequence_store.write_sequence` and :mod:`seaglint.studies.build.scenario_physics`.
+        See ``seaglint.store.sequence_store.write_sequence`` and ``seaglint.studies.build.scenario_physics``.
     """
     check_output(output, resume=resume, overwrite=overwrite, share=share)
     report_out_of_view(scenario, frames)
@@ -137,7 +137,7 @@ class MovingSun:
 
 @dataclass(frozen=True, eq=False)
 class Sequence:
-    """Preparation before the first frame; make it with :func:`prepare_sequence`."""
+    """Preparation before the first frame; make it with ``prepare_sequence``."""
 
     scene: Scene  #: Sea, air, Sun and camera, at the start.
     track: Track  #: Position and attitude of the sensor over time.
@@ -255,7 +255,7 @@ def prepare_sequence(
 ) -> Sequence:
     """Prepare a sequence before its first frame, or for single frames in Python.
 
-    ``scanned`` prepares columns with separate poses (:func:`seaglint.studies.build.scenario_physics.gliding_camera`); ``finer`` is the
+    ``scanned`` prepares columns with separate poses (``seaglint.studies.build.scenario_physics.gliding_camera``); ``finer`` is the
     number of pixels along a side of a detector's pixel, None without a detector; ``fits`` skips the check of the memory, which the caller
     made; ``cached`` holds the preparation that successive scenes share.
 

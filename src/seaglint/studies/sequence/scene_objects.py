@@ -148,7 +148,7 @@ class DrawnImage:
 
 @dataclass(frozen=True, eq=False)
 class SceneObjects:
-    """Objects of one realisation of the sea. Make them with :meth:`of`."""
+    """Objects of one realisation of the sea. Make them with ``of``."""
 
     drawer: Drawer
     _bodies: BodiesOf

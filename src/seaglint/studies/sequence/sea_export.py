@@ -187,7 +187,7 @@ def export_sea(
     centre : (float, float)
         Middle of the patch, east and north of the sensor's foot [m].
     extent : (float, float), optional
-        East and north size of the patch [m]; :data:`DEFAULT_EXTENT`, or what :data:`DEFAULT_POINTS` points reach if that is less.
+        East and north size of the patch [m]; ``DEFAULT_EXTENT``, or what ``DEFAULT_POINTS`` points reach if that is less.
     spacing : float, optional
         Distance of points [m]; by default the spacing of the finest tile, a quarter of the shortest wave.
 

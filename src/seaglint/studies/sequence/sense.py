@@ -70,7 +70,7 @@ class SensedFrames:
     first: int = 0  #: Number of the earliest frame: before it a thermal detector has seen the same image.
     rates: Rates = no_rates  #: ``rates(number)`` is the movement of the line of sight by the platform.
     added: Added = no_added_light  #: ``added(number)`` is the radiance added on the pixels; None adds none.
-    #: ``drawn(number)`` describes a picture of this program (:meth:`~seaglint.instrument.chain.SensorModel.focal_plane`); None for others.
+    #: ``drawn(number)`` describes a picture of this program (``focal_plane``); None for others.
     drawn: DrawnOf | None = None
     _seen: OrderedDict[int, NDArray[np.float32]] = field(default_factory=OrderedDict, repr=False)
 
@@ -165,7 +165,7 @@ def sense(
         Called with (frames done, frames in all).
     share : Share, optional
         Make the units of the share alone, in a store that other shares write too;
-        :func:`seaglint.store.sequence_store.finish_sequence` names it.
+        ``seaglint.store.sequence_store.finish_sequence`` names it.
     workers : Workers, optional
         Workers that make the frames; this process by default. They read the recording themselves, which needs ``reopen``.
     reopen : Reopen, optional
@@ -216,7 +216,7 @@ def prepare_sense(
     oversampling: int | None = None,
     electrons: bool = False,
 ) -> tuple[SensedFrames, Layout]:
-    """Return the frames that :func:`sense` writes, and their layout; arguments are the arguments of :func:`sense`."""
+    """Return the frames that ``sense`` writes, and their layout; arguments are the arguments of ``sense``."""
     require_electrons(scenario, electrons)
     known = source or Source()
     model = sensor_model(scenario, seed)

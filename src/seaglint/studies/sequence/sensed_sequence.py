@@ -62,7 +62,7 @@ def render(
     Parameters
     ----------
     scenario, output, frames, threads, resume, overwrite, progress, share, workers
-        As :func:`seaglint.studies.sequence.render_sequence.render`.
+        As ``seaglint.studies.sequence.render_sequence.render``.
     electrons, radiance : bool
         With a detector: write electrons, and the radiance at the aperture averaged over pixels, beside counts.
 
@@ -102,7 +102,7 @@ def prepared_frames(settings: tuple[Scenario, range | None, bool, bool]) -> tupl
 
 @dataclass(frozen=True, eq=False)
 class SensedSequence:
-    """Preparation before the first frame; make it with :func:`prepare_sensed`."""
+    """Preparation before the first frame; make it with ``prepare_sensed``."""
 
     fine: Sequence  #: The scene, drawn finer than the detector's pixels.
     sensed: SensedFrames  #: The sensor on it.

@@ -92,7 +92,7 @@ def start(job: UnitJob) -> Callable[[int], UnitRecord]:
 
 
 def spread_over(workers: Workers | None, prepare: Prepare, settings: Any) -> Spread | None:
-    """Return the function with which :func:`seaglint.store.sequence_store.write_sequence` spreads units; None without workers."""
+    """Return the function with which ``seaglint.store.sequence_store.write_sequence`` spreads units; None without workers."""
     if workers is None:
         return None
 

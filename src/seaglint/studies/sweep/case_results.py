@@ -1,6 +1,6 @@
 """Results of one case of a sweep: one quantity of one scenario as named arrays.
 
-:func:`computer` returns the function of a quantity. Mean radiance and air are computed for a picture's pixels or at view angles. Scenarios
+``computer`` returns the function of a quantity. Mean radiance and air are computed for a picture's pixels or at view angles. Scenarios
 of a sweep share views of a sea: air, water and slopes are prepared once for all Suns over them.
 """
 
@@ -79,7 +79,7 @@ class SharedView:
         return scenario_physics.under(self.view, sun)
 
     def lines(self, view: SeaView, elevation: FloatArray, azimuth: FloatArray) -> SeaLines:
-        """Return lines of sight of :meth:`under` at elevations and azimuths [rad]."""
+        """Return lines of sight of ``under`` at elevations and azimuths [rad]."""
         # Lines depend on directions and slopes, not on the Sun.
         key = (elevation.tobytes(), azimuth.tobytes(), view.hiding.law_bands(view.slopes))
         if key not in self._lines:
@@ -181,7 +181,7 @@ def air_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
 
 
 def air_of_rows(scenario: Scenario) -> CaseResult:
-    """Return the results of :func:`air_at` for the rows of an upright picture; NaN for rows without sea.
+    """Return the results of ``air_at`` for the rows of an upright picture; NaN for rows without sea.
 
     Raises
     ------
@@ -237,7 +237,7 @@ def computer(what: str | Callable[[Scenario], Any], at: ViewAngles | None) -> Co
     Parameters
     ----------
     what : str or callable
-        One of :data:`~seaglint.studies.study_requests.QUANTITIES`, or a function of a scenario.
+        One of ``QUANTITIES``, or a function of a scenario.
     at : ViewAngles, optional
         View angles instead of the picture's pixels.
 

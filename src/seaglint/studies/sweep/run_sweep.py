@@ -232,9 +232,9 @@ def sweep(
     vary : mapping
         Values by dotted key.
     what : str or callable
-        Quantity; see :mod:`seaglint.studies.sweep.case_results`.
+        Quantity; see ``seaglint.studies.sweep.case_results``.
     at : mapping, optional
-        View angles; see :class:`~seaglint.studies.sweep.sweep_plan.ViewAngles`.
+        View angles; see ``ViewAngles``.
     workers : Workers, optional
         Workers that compute; this process by default.
     threads : int, optional

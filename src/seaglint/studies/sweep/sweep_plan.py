@@ -57,7 +57,7 @@ _RANGES: Final = {ZENITH: (0.0, 90.0), AZIMUTH: (-360.0, 360.0)}
 
 @dataclass(frozen=True, eq=False)
 class SweptKey:
-    """One key with all its values. Make it with :func:`swept_key`."""
+    """One key with all its values. Make it with ``swept_key``."""
 
     name: str  #: Dotted name, which is that of the dimension.
     values: tuple[Any, ...]  #: Values as a scenario file has them.
@@ -104,7 +104,7 @@ def swept_keys(base: TomlTables, vary: Mapping[str, Any], folder: Path | None) -
 
 
 def swept_key(base: TomlTables, name: str, given: Any, folder: Path | None) -> SweptKey:
-    """Return one key with its values; see :func:`swept_keys`.
+    """Return one key with its values; see ``swept_keys``.
 
     Examples
     --------
@@ -223,7 +223,7 @@ def _attributes(key: Key | None, coordinate: NDArray[Any]) -> dict[str, str]:
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """Scenario and swept keys of a sweep. Make it with :meth:`of`."""
+    """Scenario and swept keys of a sweep. Make it with ``of``."""
 
     base: TomlTables  #: Tables of the scenario.
     folder: Path | None  #: Folder from which relative paths count.
@@ -282,7 +282,7 @@ class SweepPlan:
         return [int(number) for number in np.arange(self.count).reshape(self.shape).transpose(axes).ravel()]
 
     def together(self) -> int:
-        """Return the number of neighbours in :meth:`order` that differ in nothing that most of the preparation depends on."""
+        """Return the number of neighbours in ``order`` that differ in nothing that most of the preparation depends on."""
         return math.prod(size for key, size in zip(self.keys, self.shape, strict=True) if _rank(key.name) == len(_OF_THE_AIR))
 
     def places(self, number: int) -> tuple[int, ...]:
@@ -365,7 +365,7 @@ def chunks(order: Sequence[int], together: int, workers: int) -> list[tuple[int,
 
 @dataclass(frozen=True)
 class ViewAngles:
-    """Angles of lines of sight to the sea. Make them with :meth:`of`."""
+    """Angles of lines of sight to the sea. Make them with ``of``."""
 
     zenith_deg: tuple[float, ...]  #: Zenith angles, at the sea, of the direction to the sensor [deg].
     #: Azimuths of the lines of sight, clockwise from north [deg]; None is the sensor's azimuth.

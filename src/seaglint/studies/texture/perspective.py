@@ -2,7 +2,7 @@
 
 The Gaussian field lies on the sea, its pixels some metres long and wide. A pixel of the sensor sees the mean over its footprint, which is
 Gaussian too, and is scaled to the variance 1. Its value is then the quantile of a distribution with the mean and the variance of that
-pixel, which are known beforehand. :func:`place` stores such a sequence instead of a rendered one.
+pixel, which are known beforehand. ``place`` stores such a sequence instead of a rendered one.
 """
 
 from __future__ import annotations

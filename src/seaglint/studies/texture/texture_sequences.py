@@ -308,7 +308,7 @@ def _layout(stored: StoredTexture, request: SampleRequest) -> Layout:
 
 
 def loop(stored: StoredTexture, request: SampleRequest) -> xr.Dataset:
-    """Sample a texture in memory, with the labels of a store; arguments and errors of :func:`sample`."""
+    """Sample a texture in memory, with the labels of a store; arguments and errors of ``sample``."""
     import xarray as xr
 
     size, frames = request.size, request.frames

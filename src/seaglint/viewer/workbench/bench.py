@@ -288,7 +288,7 @@ class Bench:
                     )
 
     def changed(self) -> None:
-        """React to a change: the scenario is read :data:`DEBOUNCE` seconds after the last one."""
+        """React to a change: the scenario is read ``DEBOUNCE`` seconds after the last one."""
         self._dirty = True
         if not self._reads and not self._closed:
             self._reads = True

@@ -106,7 +106,7 @@ class Overtaken(Exception):  # noqa: N818 - no error: a newer change made the pi
 
 
 class Order:
-    """Request for one picture; :meth:`drop` cancels it when a newer picture is requested."""
+    """Request for one picture; ``drop`` cancels it when a newer picture is requested."""
 
     def __init__(self, job: Job, scenario: Scenario) -> None:
         self.job: Job = job
@@ -122,7 +122,7 @@ class Painter:
     """Process that computes pictures one after the other; started with the first picture, and again if it died.
 
     A cancelled picture is not begun. A picture in progress is finished, which takes a second and leaves tables for the next one; after
-    :attr:`patience` seconds its process is ended instead.
+    ``patience`` seconds its process is ended instead.
     """
 
     patience = 8.0
@@ -134,11 +134,11 @@ class Painter:
 
     @property
     def line(self) -> ThreadPoolExecutor:
-        """Return the thread in which :meth:`paint` waits for the process."""
+        """Return the thread in which ``paint`` waits for the process."""
         return self._line
 
     def paint(self, order: Order) -> PreviewPicture:
-        """Wait for a picture; called in :attr:`line`.
+        """Wait for a picture; called in ``line``.
 
         Raises
         ------

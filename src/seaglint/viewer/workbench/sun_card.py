@@ -24,7 +24,7 @@ _WIDTH, _HEIGHT, _LEFT, _TOP = 420.0, 150.0, 34.0, 8.0
 
 @dataclass(frozen=True, eq=False)
 class Day:
-    """Elevation and azimuth [deg] of the Sun every :data:`STEP` minutes of a day in UTC, refraction included."""
+    """Elevation and azimuth [deg] of the Sun every ``STEP`` minutes of a day in UTC, refraction included."""
 
     elevation: FloatArray
     azimuth: FloatArray
@@ -49,7 +49,7 @@ class Day:
 
 
 def day_of(day: date, latitude_deg: float, longitude_deg: float) -> Day:
-    """Return the Sun's course over a day, by the algorithm of :func:`seaglint.scenario.sun.sun_position`.
+    """Return the Sun's course over a day, by the algorithm of ``seaglint.scenario.sun.sun_position``.
 
     Examples
     --------
