@@ -8,6 +8,8 @@ from pathlib import Path
 os.environ["NUMBA_DISABLE_JIT"] = "1"
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
+import reference
+
 import seaglint
 
 project = "seaglint"
@@ -18,7 +20,7 @@ release = version = seaglint.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.autosummary",
+    "sphinx.ext.intersphinx",
     "sphinx.ext.mathjax",
     "numpydoc_once",
     "sphinx_design",
@@ -37,12 +39,34 @@ html_css_files = ["phone.css"]
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
 
-autosummary_generate = False  # reference.py writes the pages
+nitpicky = True  # a role that leads nowhere is an error
+# The names that the reference uses, without a network: tools/inventories.py.
+intersphinx_mapping = {
+    "python": ("https://docs.python.org/3", "_inventories/python.inv"),
+    "numpy": ("https://numpy.org/doc/stable", "_inventories/numpy.inv"),
+    "xarray": ("https://docs.xarray.dev/en/stable", "_inventories/xarray.inv"),
+}
+
+autosummary_generate = False  # numpydoc brings it; reference.py writes the pages
 autodoc_typehints = "none"  # numpydoc's Parameters sections name types, units and shapes
 autodoc_use_type_comments = False  # parses every function anew; there are none
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
-numpydoc_xref_param_type = False
+numpydoc_xref_param_type = True
+numpydoc_xref_ignore = "all"  # words of a type that are no names
+numpydoc_xref_aliases = {
+    **reference.class_names(),
+    **{name: name for name in ("bool", "bytes", "complex", "dict", "float", "int", "list", "None", "range", "str", "tuple")},
+    **{name: name for name in ("numpy.random.Generator", "xarray.DataArray", "xarray.Dataset")},
+    **{name.rpartition(".")[2]: name for name in ("collections.abc.Callable", "collections.abc.Iterator", "pathlib.Path")},
+    **{name.rpartition(".")[2].lower(): name for name in ("collections.abc.Mapping", "collections.abc.Sequence", "pathlib.Path")},
+    **{name.rpartition(".")[2]: name for name in ("numpy.ndarray", "datetime.datetime")},
+    "array_like": "numpy.typing.ArrayLike",
+    "callable": "collections.abc.Callable",
+    "iterator": "collections.abc.Iterator",
+    "Dataset": "xarray.Dataset",
+    "Workers": "seaglint.cluster.local.LocalProcesses",
+}
 
 
 def no_signature(app, what, *others):

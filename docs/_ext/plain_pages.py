@@ -2,9 +2,8 @@
 
 ``<!-- include -->`` before a link alone on its line shows the file in the place of the link: another page whole, or with a language
 (``<!-- include toml -->``) a block of code. Links between ``<!-- toctree -->`` and ``<!-- end toctree -->`` become the list of pages: each
-line ``**Caption**: [title](page.md), ...`` a hidden one, list items one that is shown. The table of rooms becomes the
-index of the reference.
-Names such as ```seaglint.api.mean``` lead to their documentation.
+line ``**Caption**: [title](page.md), ...`` a hidden one, list items one that is shown. Behind each table of the reference comes the list
+of its pages. Public names such as ```sg.mean``` lead to their documentation.
 """
 
 from __future__ import annotations
@@ -12,16 +11,19 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from reference import target_of
+
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 INCLUDE = re.compile(r"^<!-- include(?: (?P<language>\w+))? -->\n\[(?P<title>[^\]]*)\]\((?P<path>[^)]*)\)$", re.MULTILINE)
 TOCTREE = re.compile(r"^<!-- toctree -->\n(?P<body>.*?)^<!-- end toctree -->$", re.DOTALL | re.MULTILINE)
-ROOMS = re.compile(r"^<!-- begin rooms -->\n(?P<body>.*?)^<!-- end rooms -->$", re.DOTALL | re.MULTILINE)
+SHELF = re.compile(r"^<!-- end (?P<name>functions|records|physics) -->$", re.MULTILINE)
+SHELVES = {"functions": ("sg.*",), "records": ("records.*", "scenario.*"), "physics": ("physics.*",)}
+"""Generated pages behind the tables of the reference."""
 PAGE = re.compile(r"\]\(([\w./-]+)\.md\)")
-MODULE = re.compile(r"`(seaglint\.\w+)`")
 FENCE = re.compile(r"^(?P<fence>```+|~~~+).*?^(?P=fence)[ ]*$", re.DOTALL | re.MULTILINE)
-NAME = re.compile(r"(?<![`\[}\w])`(seaglint(?:\.\w+)+)`(?!`)")
+NAME = re.compile(r"(?<![`\[}\w])`((?:seaglint|sg)(?:\.\w+)+)`(?!`)")
 
 
 def directive(name: str, argument: str, options: list[str], body: list[str] | None = None) -> str:
@@ -50,24 +52,29 @@ def listed(match: re.Match[str]) -> str:
     return "\n\n".join(directive("toctree", "", [f":caption: {line[1]}", ":hidden:"], PAGE.findall(line[2])) for line in captioned if line)
 
 
-def indexed(match: re.Match[str]) -> str:
-    """Return the index of the reference, with a page for each room."""
-    rows = [f"   {name}" for name in MODULE.findall(match["body"])]
-    return "\n".join(("```{eval-rst}", ".. autosummary::", "   :toctree: generated", "", *rows, "```"))
+def shelved(match: re.Match[str]) -> str:
+    """Return the list of the pages that a table of the reference names."""
+    return directive("toctree", "", [":glob:", ":hidden:"], [f"generated/{pages}" for pages in SHELVES[match["name"]]])
+
+
+def named(match: re.Match[str]) -> str:
+    """Return a name with a link to its documentation, if it has any."""
+    target = target_of(match[1])
+    return f"{{py:obj}}`{match[1]} <{target}>`" if target else match[0]
 
 
 def linked(text: str) -> str:
-    """Return a page with links from names of the package to their documentation, outside of blocks of code."""
+    """Return a page with links from public names to their documentation, outside of blocks of code."""
     pieces, end = [], 0
     for block in FENCE.finditer(text):
-        pieces += [NAME.sub(r"{py:obj}`\1`", text[end : block.start()]), block.group()]
+        pieces += [NAME.sub(named, text[end : block.start()]), block.group()]
         end = block.end()
-    return "".join((*pieces, NAME.sub(r"{py:obj}`\1`", text[end:])))
+    return "".join((*pieces, NAME.sub(named, text[end:])))
 
 
 def built(text: str) -> str:
     """Return a page as Sphinx reads it."""
-    return ROOMS.sub(indexed, TOCTREE.sub(listed, INCLUDE.sub(included, linked(text))))
+    return SHELF.sub(shelved, TOCTREE.sub(listed, INCLUDE.sub(included, linked(text))))
 
 
 def read(app: Sphinx, name: str, source: list[str]) -> None:

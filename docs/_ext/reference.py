@@ -1,16 +1,24 @@
-"""Pages of the reference: one for each folder of the package, with its modules as sections.
+"""Pages of the reference: public names only, as ``docs/api/public.toml`` lists them.
 
-The theme writes the list of all pages beside every page: with a page for each of 600 modules it costs the square of their number.
-The source of each module is copied as text; its section links to it.
+Each function of ``import seaglint as sg`` has a page under the name that users write; records that they take and return, tables of the
+scenario, and physics by formula have a page for each group. Internals have no page.
 """
 
 from __future__ import annotations
 
+import ast
 import importlib
-import shutil
-from contextlib import suppress
+import inspect
+import json
+import re
+import sys
+import tomllib
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import MISSING, fields
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -18,42 +26,123 @@ if TYPE_CHECKING:
 DOCS = Path(__file__).resolve().parents[1]
 SOURCE = DOCS.parent / "src" / "seaglint"
 GENERATED = DOCS / "api" / "generated"
-TEXTS = "source"
-"""Folder of the built site with the sources."""
 
 
-def module_name(path: Path) -> str:
-    """Return the dotted name of a file of the package."""
-    parts = path.relative_to(SOURCE.parent).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+@cache
+def public() -> dict[str, Any]:
+    """Return the lists of public names."""
+    return tomllib.loads((DOCS / "api" / "public.toml").read_text(encoding="utf-8"))
 
 
-def reference_pages() -> dict[str, list[Path]]:
-    """Return the files of each page: a folder with its modules, or a module beside the rooms."""
-    result = {}
-    for first in sorted(SOURCE.rglob("__init__.py")):
-        files = sorted(path for path in first.parent.glob("*.py") if path != first)
-        result |= {module_name(path): [path] for path in files} if first.parent == SOURCE else {module_name(first): [first, *files]}
+@cache
+def tree_of(module: str) -> ast.Module:
+    """Return the parsed source of a module."""
+    path = SOURCE.parent.joinpath(*module.split("."))
+    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
+def listed(tree: ast.Module) -> list[str]:
+    """Return the names in ``__all__``."""
+    lists = (node.value for node in tree.body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__")
+    return list(ast.literal_eval(next(lists)))
+
+
+@cache
+def functions() -> dict[str, list[str]]:
+    """Return the names of ``sg``, each with the functions of its group; a function alone has none."""
+    groups = {}
+    for node in tree_of("seaglint.api").body:
+        if isinstance(node, ast.ImportFrom) and node.module == "seaglint.api":
+            groups |= {alias.asname: f"seaglint.api.{alias.name}" for alias in node.names}
+    names = [name for name in listed(tree_of("seaglint")) if name != "__version__"]
+    return {name: listed(tree_of(groups[name])) if name in groups else [] for name in names}
+
+
+def api_modules() -> dict[str, str]:
+    """Return under which name users find the functions of each module of ``seaglint.api``."""
+    result = {"seaglint.api": "sg"}
+    for node in tree_of("seaglint.api").body:
+        if isinstance(node, ast.ImportFrom):
+            places = {f"seaglint.api.{alias.name}": f"sg.{alias.asname}" for alias in node.names if alias.asname}
+            result |= places or {str(node.module): "sg"}
     return result
 
 
-def text_path(path: Path) -> str:
-    """Return where the built site holds a source; browsers show a file that ends with txt."""
-    return f"{TEXTS}/{path.relative_to(SOURCE.parent).as_posix()}.txt"
+def members(group: dict[str, Any], room: str = "") -> dict[str, list[str]]:
+    """Return the names of each module of a group."""
+    return {f"seaglint.{room}{module}": names for module, names in group.items() if isinstance(names, list)}
 
 
-def section(path: Path) -> list[str]:
-    """Return the source's address and the documented members of a file."""
-    shown = path.relative_to(SOURCE.parents[1]).as_posix()
-    return [f"`{shown} <../../{text_path(path)}>`__", "", f".. automodule:: {module_name(path)}", "   :members:", ""]
+def records_of(module: str) -> list[str]:
+    """Return the names of the records that a module of the scenario defines."""
+    return [node.name for node in tree_of(module).body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")]
 
 
-def summary(title: str, names: list[str], *options: str) -> list[str]:
-    """Return a titled table of modules with the first sentence of each."""
-    if not names:
+def record_pages() -> dict[str, dict[str, list[str]]]:
+    """Return the names on each page of records, by the page's title."""
+    data = public()
+    result = {group["title"]: members(group) for group in (*data["records"].values(), data["requests"])}
+    tables = {f"seaglint.scenario.{module}": title for module, title in data["scenario"].items()}
+    return result | {title: {module: records_of(module)} for module, title in tables.items()}
+
+
+def physics_pages() -> dict[str, dict[str, list[str]]]:
+    """Return the names on each page of physics, by the page's title."""
+    return {group["title"]: members(group, f"{room}.") for room, group in public()["physics"].items()}
+
+
+def shown() -> list[tuple[str, list[str]]]:
+    """Return the modules and names on the pages, besides the functions of ``sg``."""
+    return [each for pages in (record_pages(), physics_pages()) for modules in pages.values() for each in modules.items()]
+
+
+def class_names() -> dict[str, str]:
+    """Return the full name of each class on the pages by its last part, where it is the only class of that name."""
+    every = [(name, f"{module}.{name}") for module, names in shown() for name in names if kind_of(module, name) == "class"]
+    count = Counter(name for name, _ in every)
+    return {name: full for name, full in every if count[name] == 1}
+
+
+def docstring_of(name: str) -> str:
+    """Return the docstring of a function of ``sg`` from its source; ``sg.compare`` is another name of a function."""
+    group, _, function = name.rpartition(".")
+    nodes = [node for module, place in api_modules().items() if place == group for node in tree_of(module).body]
+    for node in nodes:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == function:
+            return docstring_of(f"{group}.{ast.unparse(node.value)}")
+    return [ast.get_docstring(node) or "" for node in nodes if isinstance(node, ast.FunctionDef) and node.name == function][-1]
+
+
+def attributes(module: str, name: str) -> list[str]:
+    """Return the public methods and fields of a class."""
+    node = next(node for node in tree_of(module).body if getattr(node, "name", "") == name)
+    if not isinstance(node, ast.ClassDef):
         return []
-    indented = [f"   {line}" for line in (*options, "", *names)]
-    return [f".. rubric:: {title}", "", ".. autosummary::", *(line.rstrip() for line in indented), ""]
+    methods = [part.name for part in node.body if isinstance(part, ast.FunctionDef | ast.AsyncFunctionDef)]
+    values = [part.target.id for part in node.body if isinstance(part, ast.AnnAssign) and isinstance(part.target, ast.Name)]
+    return [part for part in (*methods, *values) if not part.startswith("_")]
+
+
+@cache
+def names() -> frozenset[str]:
+    """Return every name that has a place in the reference: functions, groups of functions, modules of physics, classes with members."""
+    result = {"sg", *(f"sg.{name}" for name in functions())}
+    result |= {f"sg.{group}.{name}" for group, inner in functions().items() for name in inner}
+    tables = {f"seaglint.scenario.{module}" for module in public()["scenario"]}
+    physics = {module for modules in physics_pages().values() for module in modules}
+    for module, inner in shown():
+        result |= {f"{module}.{name}" for name in inner} | ({module} & (tables | physics))
+        if module not in tables | set(members(public()["requests"])):
+            result |= {f"{module}.{name}.{part}" for name in inner for part in attributes(module, name)}
+    return frozenset(result)
+
+
+def target_of(name: str) -> str | None:
+    """Return the name under which the reference shows a name of the package; None if it does not."""
+    places = [*sorted(api_modules().items(), reverse=True), ("seaglint", "sg")]
+    others = (f"{place}{name.removeprefix(module)}" for module, place in places if name.startswith(f"{module}."))
+    return next((each for each in (name, *others) if each in names()), None)
 
 
 def headed(title: str, line: str) -> list[str]:
@@ -61,60 +150,193 @@ def headed(title: str, line: str) -> list[str]:
     return [title, line * len(title), ""]
 
 
-def page(name: str, files: list[Path], below: list[str]) -> str:
-    """Return a page with a summary of the folders below, a summary of the modules and a section for each module."""
-    first, *modules = files
-    lines = [":tocdepth: 3", "", *headed(name.removeprefix("seaglint."), "="), *section(first)]
-    lines += summary("Folders", [other.rpartition(".")[2] for other in below], ":toctree:")
-    lines += summary("Modules", [path.stem for path in modules])
-    for path in modules:
-        lines += [*headed(path.stem, "-"), *section(path)]
+def documented(kind: str, name: str, *options: str) -> list[str]:
+    """Return the directive that shows a docstring."""
+    return [f".. auto{kind}:: {name}", *(f"   {option}" for option in options), ""]
+
+
+def function_page(name: str, inner: list[str]) -> str:
+    """Return the page of a name of ``sg``."""
+    shown = public()["functions"].get(name, {})
+    lines = headed(f"sg.{name}", "=")
+    full = [f"sg.{name}.{each}" for each in inner]
+    if inner:
+        lines += [*documented("module", f"sg.{name}"), *table((each, docstring_of(each)) for each in full)]
+        for each in full:
+            lines += [*headed(each, "-"), *documented("function", each)]
+    else:
+        lines += documented("function", f"sg.{name}")
+    if "picture" in shown:
+        lines += [f".. figure:: ../../images/{shown['picture']}", f"   :alt: {shown['shows']}", "", f"   {shown['shows']}", ""]
+    if "guides" in shown:
+        lines += ["Guides: " + ", ".join(f":doc:`/{guide}`" for guide in shown["guides"]) + ".", ""]
     return "\n".join(lines)
 
 
-def page_texts(pages: dict[str, list[Path]]) -> dict[str, str]:
-    """Return the text of each page."""
-    return {name: page(name, files, [other for other in pages if other.rpartition(".")[0] == name]) for name, files in pages.items()}
+def table(rows: Iterable[tuple[str, str]]) -> list[str]:
+    """Return a table of names with the first sentence of each."""
+    return cells(("name", "gives"), [(f":py:obj:`~{name}`", first_sentence(text)) for name, text in rows], "30 70")
 
 
-def import_modules(pages: dict[str, list[Path]]) -> None:
-    """Import each module once, before readers fork from this process."""
-    for path in (path for files in pages.values() for path in files):
-        with suppress(Exception):  # autodoc names every module that cannot be imported
-            importlib.import_module(module_name(path))
+def first_sentence(docstring: str) -> str:
+    """Return the first sentence of a docstring; names in it lead nowhere, as they are relative to their module."""
+    text = re.sub(r":\w+:`~?(?:[\w.]*\.)?(\w+)`", r"``\1``", " ".join(docstring.split("\n\n")[0].split()))
+    return re.split(r"(?<=\.) (?=[A-Z`])", text)[0]
+
+
+def docstring_in(module: str, name: str) -> str:
+    """Return the docstring of a class or function of a module from its source."""
+    nodes = (node for node in tree_of(module).body if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name == name)
+    return [ast.get_docstring(node) or "" for node in nodes][-1]
+
+
+def kind_of(module: str, name: str) -> str:
+    """Return whether a name is a class or a function."""
+    return "class" if any(isinstance(node, ast.ClassDef) and node.name == name for node in tree_of(module).body) else "function"
+
+
+def record_page(group: dict[str, Any]) -> str:
+    """Return a page of records with their members."""
+    lines = [*headed(group["title"], "="), group["about"].replace("`", "``"), ""]
+    every = [(module, name) for module, inner in members(group).items() for name in inner]
+    lines += table((f"{module}.{name}", docstring_in(module, name)) for module, name in every)
+    for module, name in every:
+        kind = kind_of(module, name)
+        lines += [*headed(name, "-"), *documented(kind, f"{module}.{name}", *([":members:"] if kind == "class" else []))]
+    return "\n".join(lines)
+
+
+def cells(head: tuple[str, ...], rows: list[tuple[str, ...]], widths: str) -> list[str]:
+    """Return a table whose cells are text with markup."""
+    lines = [".. list-table::", "   :header-rows: 1", f"   :widths: {widths}", ""]
+    for row in (head, *rows):
+        lines += [f"   {'* -' if not place else '  -'} {' '.join(cell.split())}".rstrip() for place, cell in enumerate(row)]
+    return [*lines, ""]
+
+
+def literal(value: Any) -> str:
+    """Return a value as code."""
+    return "" if value is None or value is MISSING else f"``{value!r}``"
+
+
+def request_page(group: dict[str, Any]) -> str:
+    """Return the page of requests: every parameter with default and meaning."""
+    from seaglint.base.parameters import described
+
+    lines = [*headed(group["title"], "="), group["about"].replace("`", "``"), ""]
+    for module, inner in members(group).items():
+        for name in inner:
+            record = getattr(importlib.import_module(module), name)
+            texts = described(record)
+            rows = [
+                (f"``{field.name}``", literal(field.default), meaning(texts[field.name])) for field in fields(record) if field.name in texts
+            ]
+            own = [row for row in rows if row[0].strip("`") in record.__annotations__]
+            lines += [*headed(name, "-"), f".. py:class:: {name}", f"   :module: {module}", "", *indented(first_lines(record)), ""]
+            above = [f":class:`~{base.__module__}.{base.__name__}`" for base in record.__bases__ if base is not object]
+            lines += indented(["Also the parameters of " + " and ".join(above) + ".", ""]) if above else []
+            lines += indented(cells(("parameter", "default", "meaning"), own, "25 15 60")) if own else []
+    return "\n".join(lines)
+
+
+def meaning(parameter: Any) -> str:
+    """Return what a parameter of a request means."""
+    return parameter.python or f"{parameter.subject} {parameter.help} {parameter.detail}".replace("`", "``").replace("````", "``").strip()
+
+
+def first_lines(record: type) -> list[str]:
+    """Return the first paragraph of a docstring."""
+    return inspect.getdoc(record).split("\n\n")[0].splitlines()
+
+
+def indented(lines: list[str]) -> list[str]:
+    """Return lines as the body of a directive."""
+    return [f"   {line}".rstrip() for line in lines]
+
+
+def scenario_page(module: str, title: str) -> str:
+    """Return the page of the records of a module of the scenario, with a table of the keys of each."""
+    from page_tables import allowed, resolve
+
+    place = f"seaglint.scenario.{module}"
+    lines = [*headed(title, "="), *documented("module", place)]
+    for name in records_of(place):
+        record = getattr(importlib.import_module(place), name)
+        root = record.model_json_schema()
+        rows = []
+        for key, raw in root.get("properties", {}).items():
+            value = resolve(raw, root)
+            default = "" if value.get("default") is None or isinstance(value["default"], dict) else f"``{json.dumps(value['default'])}``"
+            rows.append((f"``{key}``", allowed(value, root).replace("`", "``"), default, text_of(value.get("description", ""))))
+        lines += [
+            *headed(name, "-"),
+            f".. py:class:: {name}",
+            f"   :module: {place}",
+            "",
+            *indented(inspect.getdoc(record).splitlines()),
+            "",
+        ]
+        lines += [*indented(cells(("key", "allowed", "default", "meaning"), rows, "22 26 16 36") if rows else [])]
+    return "\n".join(lines)
+
+
+def text_of(description: str) -> str:
+    """Return the first line of a description without markup."""
+    return description.split("\n")[0].replace("*", r"\*").replace("|", r"\|")
+
+
+def physics_page(room: str, group: dict[str, Any]) -> str:
+    """Return the page of a room of physics: what each module says, and its functions."""
+    about = (ast.get_docstring(tree_of(f"seaglint.{room}")) or "").split("\n\n")[0]
+    modules = members(group, f"{room}.")
+    lines = [*headed(group["title"], "="), about, ""]
+    lines += table((f"{module}.{name}", docstring_in(module, name)) for module, inner in modules.items() for name in inner)
+    for module, inner in modules.items():
+        lines += [*headed(module.rpartition(".")[2].replace("_", " ").capitalize(), "-"), *documented("module", module)]
+        for name in inner:
+            kind = kind_of(module, name)
+            lines += documented(kind, f"{module}.{name}", *([":members:"] if kind == "class" else []))
+    return "\n".join(lines)
+
+
+def page_texts() -> dict[str, str]:
+    """Return the text of each page by its name."""
+    data = public()
+    result = {f"sg.{name}": function_page(name, inner) for name, inner in functions().items()}
+    result |= {f"records.{name}": record_page(group) for name, group in data["records"].items()}
+    result["records.requests"] = request_page(data["requests"])
+    result |= {f"scenario.{module.rpartition('.')[2]}": scenario_page(module, title) for module, title in data["scenario"].items()}
+    return result | {f"physics.{room}": physics_page(room, group) for room, group in data["physics"].items()}
+
+
+def import_names() -> None:
+    """Import what the pages show once, before readers fork from this process, and let ``sg`` be a name as in users' programs."""
+    sg = importlib.import_module("seaglint")
+    sys.modules["sg"] = sg
+    for name, inner in functions().items():
+        value = getattr(sg, name)
+        if inner:
+            sys.modules[f"sg.{name}"] = value
+    for module, _ in shown():
+        importlib.import_module(module)
 
 
 def write_pages(app: Sphinx) -> None:
-    """Write the pages that changed and remove the pages of folders that are gone."""
-    pages = reference_pages()
-    import_modules(pages)
+    """Write the pages that changed and remove those of names that are gone."""
+    sys.path.insert(0, str(DOCS / "figures"))
+    import_names()
     GENERATED.mkdir(exist_ok=True)
+    texts = page_texts()
     for old in GENERATED.iterdir():
-        if old.stem not in pages:
+        if old.stem not in texts:
             old.unlink()
-    for name, text in page_texts(pages).items():
+    for name, text in texts.items():
         target = GENERATED / f"{name}.rst"
         if not target.exists() or target.read_text(encoding="utf-8") != text:
             target.write_text(text, encoding="utf-8")
 
 
-def copy_texts(site: Path) -> None:
-    """Copy the sources into the built site and remove those of an earlier build."""
-    shutil.rmtree(site / TEXTS, ignore_errors=True)
-    for path in (path for files in reference_pages().values() for path in files):
-        target = site / text_path(path)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(path, target)
-
-
-def finish(app: Sphinx, exception: Exception | None) -> None:
-    """Copy the sources after a build of HTML."""
-    if exception is None and app.builder.format == "html":
-        copy_texts(Path(app.outdir))
-
-
 def setup(app: Sphinx) -> dict[str, bool]:
     """Connect before pages are looked for."""
     app.connect("builder-inited", write_pages)
-    app.connect("build-finished", finish)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

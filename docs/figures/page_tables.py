@@ -18,6 +18,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "_ext"))
+
+import reference
+
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 GALLERY = DOCS / "gallery"
@@ -259,9 +263,36 @@ def rooms() -> list[str]:
         path = ROOT / "src" / Path(*module.split("."))
         file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
         about = " ".join((ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or "").split("\n\n")[0].split()).replace("``", "`")
-        place = path if path.is_dir() else file
-        body.append((f"[`{module}`](../../{place.relative_to(ROOT).as_posix()})", about))
+        body.append((f"`{module}`", about))
     return markdown_table(("room", "holds"), body)
+
+
+def reference_functions() -> list[str]:
+    """Functions of ``sg`` with their first sentences."""
+    body = []
+    for name, inner in reference.functions().items():
+        for each in [f"{name}.{one}" for one in inner] or [name]:
+            about = reference.docstring_of(f"sg.{each}").split("\n\n")[0]
+            body.append((f"`sg.{each}`", about.replace("``", "`")))
+    return markdown_table(("function", "does"), body)
+
+
+def reference_groups(pages: dict[str, dict[str, list[str]]]) -> list[str]:
+    """Pages of the reference by title, with the names on each."""
+    body = [
+        (title, ", ".join(f"`{module}.{name}`" for module, names in modules.items() for name in names)) for title, modules in pages.items()
+    ]
+    return markdown_table(("page", "names"), body)
+
+
+def reference_records() -> list[str]:
+    """Records of the reference by page."""
+    return reference_groups(reference.record_pages())
+
+
+def reference_physics() -> list[str]:
+    """Functions of physics by page."""
+    return reference_groups(reference.physics_pages())
 
 
 def decisions() -> list[str]:
@@ -278,7 +309,10 @@ BLOCKS: dict[str, Callable[[], list[str]]] = {
     **{f"docs/gallery/{page}.md#pictures": partial(gallery_pictures, page) for page in PICTURES},
     "docs/gallery/index.md#overview": gallery_overview,
     "docs/index.md#gallery": first_gallery,
-    "docs/api/index.md#rooms": rooms,
+    "docs/api/index.md#functions": reference_functions,
+    "docs/api/index.md#records": reference_records,
+    "docs/api/index.md#physics": reference_physics,
+    "docs/architecture.md#rooms": rooms,
     "docs/adr/index.md#records": decisions,
 }
 """What makes the lines of each block."""
