@@ -9,7 +9,6 @@ os.environ["NUMBA_DISABLE_JIT"] = "1"
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 import reference
-
 import seaglint
 
 project = "seaglint"

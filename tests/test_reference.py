@@ -1,21 +1,36 @@
-"""Pages of the reference: each module is on one of them, each is reachable, and what makes the build short changes no text."""
+"""Pages of the reference: every public name is on one of them, roles lead to public names, and shortcuts of the build change no text."""
 
 from __future__ import annotations
 
+import ast
+import importlib
 import importlib.util
-import pkgutil
-import posixpath
 import re
+import zlib
 from collections import Counter
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
+import inventories
+import reference
 import seaglint
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
-MODULES = sorted(info.name for info in pkgutil.walk_packages(seaglint.__path__, "seaglint."))
+SOURCE = DOCS.parent / "src" / "seaglint"
+TEXTS = reference.page_texts()
+PHYSICS = [
+    (module, name)
+    for modules in reference.physics_pages().values()
+    for module, names in modules.items()
+    for name in names
+    if reference.kind_of(module, name) == "function"
+]
+
+ROLE = re.compile(r":(?:func|data|meth|mod|class|attr|obj|exc):`(?:[^`<]*<)?~?([\w.]+)>?`")
+EQUATION = re.compile(r":math:|\.\. math|[^=]=[^=]|::$|\bet al\b|\b(?:18|19|20)\d\d[a-z]?\b|References", re.MULTILINE)
+"""An equation, or a source by its year."""
 
 
 def extension(name: str) -> ModuleType:
@@ -28,48 +43,92 @@ def extension(name: str) -> ModuleType:
     return module
 
 
-reference = extension("reference")
 plain_pages = extension("plain_pages")
 INDEX = plain_pages.built((DOCS / "api" / "index.md").read_text(encoding="utf-8"))
-PAGES = reference.reference_pages()
-TEXTS = reference.page_texts(PAGES)
 
 
-def listed(text: str) -> list[str]:
-    """Names in the tables of a page that lead to other pages."""
-    tables = re.findall(r"\.\. autosummary::\n   :toctree:.*\n\n((?:   \S+\n)+)", text)
-    return [name for table in tables for name in table.split()]
+def test_each_public_name_is_on_one_page() -> None:
+    titles = Counter(match for text in TEXTS.values() for match in re.findall(r"^sg\.\w+$", text, re.MULTILINE))
+    assert titles == Counter(f"sg.{name}" for name in seaglint.__all__ if name != "__version__")
 
 
-def test_each_module_is_on_one_page() -> None:
-    shown = Counter(name for text in TEXTS.values() for name in re.findall(r"^\.\. automodule:: (\S+)$", text, re.MULTILINE))
-    assert shown == Counter(MODULES)
+def test_each_function_of_a_group_is_shown_once() -> None:
+    shown = Counter(match for text in TEXTS.values() for match in re.findall(r"^\.\. autofunction:: (sg\.\S+)$", text, re.MULTILINE))
+    groups = reference.functions()
+    assert shown == Counter(f"sg.{name}.{each}" if each else f"sg.{name}" for name, inner in groups.items() for each in inner or [""])
 
 
-def test_each_page_is_listed_by_the_page_above_it() -> None:
-    below = [f"{name}.{folder}" for name, text in TEXTS.items() for folder in listed(text)]
-    assert Counter(listed(INDEX) + below) == Counter(list(PAGES))
+def test_each_page_is_in_a_list_of_pages() -> None:
+    patterns = re.findall(r"^generated/(\S+)\*$", INDEX, re.MULTILINE)
+    assert [sum(name.startswith(pattern) for pattern in patterns) for name in TEXTS] == [1] * len(TEXTS)
 
 
 def test_there_are_few_pages() -> None:
-    assert len(PAGES) < len(MODULES) / 5, "every page carries the list of all pages"
+    assert len(TEXTS) < 80, "every page carries the list of all pages"
 
 
-@pytest.mark.parametrize("name", PAGES)
-def test_a_module_leads_to_its_source(name: str) -> None:
-    links = re.findall(r"`(\S+) <(\S+)>`__", TEXTS[name])
-    assert [path for path, _ in links if not (DOCS.parent / path).is_file()] == []
-    reached = [posixpath.normpath(posixpath.join("api/generated", link)) for _, link in links]
-    assert reached == [reference.text_path(path) for path in PAGES[name]]
+@pytest.mark.parametrize(("module", "name"), PHYSICS, ids=lambda part: part)
+def test_physics_states_an_equation_or_a_source(module: str, name: str) -> None:
+    text = f"{importlib.import_module(module).__doc__}\n{reference.docstring_in(module, name)}"
+    assert EQUATION.search(text), "give the equation or the source in the docstring, or leave the name out of docs/api/public.toml"
 
 
-def test_sources_are_copied_and_old_ones_removed(tmp_path: Path) -> None:
-    left = tmp_path / reference.TEXTS / "seaglint" / "gone.py.txt"
-    left.parent.mkdir(parents=True)
-    left.touch()
-    reference.copy_texts(tmp_path)
-    copied = {path.relative_to(tmp_path).as_posix(): path.read_bytes() for path in tmp_path.rglob("*.txt")}
-    assert copied == {reference.text_path(path): path.read_bytes() for files in PAGES.values() for path in files}
+@pytest.mark.parametrize("name", reference.public()["functions"])
+def test_pictures_and_guides_exist(name: str) -> None:
+    shown = reference.public()["functions"][name]
+    assert name in reference.functions()
+    assert all((DOCS / f"{guide}.md").is_file() for guide in shown["guides"])
+    assert "picture" not in shown or (DOCS / "images" / shown["picture"]).is_file()
+
+
+@pytest.mark.parametrize(("group", "name"), [(group, name) for group, inner in reference.functions().items() for name in inner or [""]])
+def test_a_function_has_parameters_results_errors_and_an_example(group: str, name: str) -> None:
+    text = reference.docstring_of(f"sg.{group}.{name}" if name else f"sg.{group}")
+    assert ">>> " in text
+    assert "Returns\n-------" in text
+
+
+def roles_of(path: Path) -> list[tuple[int, str, list[str]]]:
+    """Lines and targets of the roles of a file, with the names that each may stand for."""
+    text = path.read_text(encoding="utf-8")
+    module = ".".join(path.relative_to(SOURCE.parent).with_suffix("").parts).removesuffix(".__init__")
+    places = [module, *(place for name, place in reference.api_modules().items() if name == module)]
+    spans = [(node.lineno, node.end_lineno or 0, node.name) for node in ast.parse(text).body if isinstance(node, ast.ClassDef)]
+    result = []
+    for match in ROLE.finditer(text):
+        line = text.count("\n", 0, match.start()) + 1
+        inner = [f"{place}.{name}.{match[1]}" for place in places for first, last, name in spans if first <= line <= last]
+        result.append((line, match[1], [match[1], *(f"{place}.{match[1]}" for place in places), *inner]))
+    return result
+
+
+def test_roles_lead_to_public_names() -> None:
+    wrong = [
+        f"{path.relative_to(SOURCE)}:{line} {target}"
+        for path in sorted(SOURCE.rglob("*.py"))
+        for line, target, candidates in roles_of(path)
+        if not target.startswith(("numpy.", "xarray.", "scipy.", "pydantic.")) and not any(name in reference.names() for name in candidates)
+    ]
+    assert wrong == [], "internals have no page: write their names as ``name``"
+
+
+def test_inventories_hold_the_names_that_are_listed() -> None:
+    for project, places in inventories.NAMES.items():
+        file = (inventories.FOLDER / f"{project}.inv").read_bytes()
+        assert zlib.decompress(file.split(b"\n", 4)[4])
+        assert inventories.places_in(file) == places, "run python tools/inventories.py"
+
+
+def test_a_name_of_the_package_leads_to_what_users_write() -> None:
+    assert reference.target_of("seaglint.api.export") == reference.target_of("seaglint.export") == "sg.export"
+    assert reference.target_of("seaglint.api.texture_models.fit") == "sg.texture.fit"
+    assert reference.target_of("seaglint.optics.fresnel.reflectance") == "seaglint.optics.fresnel.reflectance"
+    assert reference.target_of("seaglint.base.jit.kernel") is None
+
+
+def test_first_sentences_have_no_roles() -> None:
+    text = "Return the gain, as :func:`~seaglint.a.b` and :data:`LIMIT`. Other words.\n\nMore."
+    assert reference.first_sentence(text) == "Return the gain, as ``b`` and ``LIMIT``."
 
 
 def documented(height: float) -> float:
@@ -131,8 +190,8 @@ def test_links_of_plain_pages_become_copies_and_lists() -> None:
 
 
 def test_names_lead_to_their_documentation_outside_of_code() -> None:
-    text = "`seaglint.api.mean` and [`seaglint.air`](x), `seaglint mean`, ``seaglint.api``\n\n```python\n`seaglint.api.mean`\n```\n"
-    expected = text.replace("`seaglint.api.mean` and", "{py:obj}`seaglint.api.mean` and")
+    text = "`sg.mean` and [`sg.load`](x), `seaglint mean`, ``sg.mean``, `seaglint.base.jit`\n\n```python\n`sg.mean`\n```\n"
+    expected = text.replace("`sg.mean` and", "{py:obj}`sg.mean <sg.mean>` and")
     assert plain_pages.built(text) == expected
 
 

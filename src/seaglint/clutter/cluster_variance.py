@@ -176,7 +176,7 @@ def score_interval(count: int, pixels: int, inflation: float, degrees: float, le
     Returns
     -------
     low, high : float
-        [1]
+        Bounds of the rate [1].
     """
     from scipy.stats import norm, t
 

@@ -75,7 +75,7 @@ def tail_above(
 
     Parameters
     ----------
-    judged : Background
+    background : Background
         Statistic.
     law : {"sigma", "frame", "fixed", "design"}
         Law of the threshold, whose standard deviations are the unit of the tail.

@@ -147,11 +147,17 @@ class Readout:
 
 
 def square_mtf(frequency: ArrayLike, width: float) -> FloatArray:
-    """Return the transfer of a detector of an angular width [rad], at frequencies across it [cycles rad-1]."""
+    """Return the transfer of a detector of an angular width w [rad], at frequencies f across it [cycles rad-1].
+
+    ``MTF = sin(pi f w) / (pi f w)``
+    """
     return np.asarray(np.sinc(np.asarray(frequency, np.float64) * width))
 
 
 def crosstalk_mtf(along: ArrayLike, across: ArrayLike, share: float, step: float) -> FloatArray:
-    """Return the transfer of pixels ``step`` [rad] apart that lose a share to their four neighbours [1]."""
+    """Return the transfer of pixels a ``step`` s [rad] apart that lose a share c to their four neighbours [1].
+
+    ``MTF = 1 - c + c/2 [cos(2 pi x s) + cos(2 pi y s)]`` at frequencies x along and y across [cycles rad-1].
+    """
     x, y = np.asarray(along, np.float64), np.asarray(across, np.float64)
     return np.asarray(1.0 - share + 0.5 * share * (np.cos(2.0 * np.pi * x * step) + np.cos(2.0 * np.pi * y * step)))

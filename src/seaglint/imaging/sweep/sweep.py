@@ -5,7 +5,7 @@ and linear towards its neighbours, is added to the pixels in proportion to the o
 has a separate horizon, and panoramas may have any width.
 
 Across a column, lines split as the column widens, up to a limit. Between them the sea is sampled, or each line reads a sea that is averaged
-over its share of the column: :mod:`seaglint.imaging.scene` plans both.
+over its share of the column: ``seaglint.imaging.scene`` plans both.
 
 Cuts divide the image of a column by distance from the sensor: every piece is added to the whole image and to the image of its interval.
 """

@@ -26,7 +26,7 @@ _COSINE_BINS: Final = 360  # the sharpest cosine taken is one degree wide at hal
 
 @dataclass(frozen=True, eq=False)
 class BinnedSpectrum(MeasuredSpectrum):
-    """Measured spectrum with a directional distribution for each frequency; make it with :func:`of_bins` or :func:`of_cosine`."""
+    """Measured spectrum with a directional distribution for each frequency; make it with ``of_bins`` or ``of_cosine``."""
 
     #: Azimuths waves travel TO, ascending over one turn or a sector with nothing at its ends [rad, (n,)].
     azimuth: FloatArray = field(default_factory=lambda: np.empty(0))
