@@ -113,7 +113,7 @@ class Region:
             else:
                 out = ((across - left) / width * 2 - 1) ** 2 + ((down - top) / height * 2 - 1) ** 2 <= 1.0
         if not out.any():
-            raise DataError(f"region {self.text}: has no pixel, or lies outside the image of {rows} rows and {columns} columns; drag one inside")
+            raise DataError(f"region {self.text}: no pixel, or outside the image of {rows} rows and {columns} columns; drag one inside")
         return out
 
 
