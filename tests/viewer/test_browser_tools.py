@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.viewer.regions import Region, of_csv, of_imagej
+from seaglint.viewer.regions import PictureRegion, of_csv, of_imagej
 
 from .conftest import COLUMNS, FRAMES, ROWS, radiance
 
@@ -91,7 +91,7 @@ def test_three_shapes_their_statistics_and_their_courses(seen):
     seen.until(MADE.format(3))
     texts = seen.page.evaluate("seaglint.state.regions.map(({ shape, numbers }) => [shape, ...numbers].join(' '))")
     assert texts[:2] == ["rectangle 5 4 20 10", "ellipse 30 10 20 20"]
-    regions = [Region.of_text(text) for text in texts]
+    regions = [PictureRegion.of_text(text) for text in texts]
     masks = [region.mask(ROWS, COLUMNS) for region in regions]
     shown = [float(cell.get_attribute("data-value")) for cell in seen.on("regions-mean").all()]
     assert shown == pytest.approx([radiance(4)[mask].mean(dtype=float) for mask in masks], rel=1e-12)

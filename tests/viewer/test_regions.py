@@ -15,14 +15,14 @@ from seaglint.viewer.jobs import Jobs, StoppedError
 from seaglint.viewer.library import Library
 from seaglint.viewer.over_time import courses, profile, project, statistics
 from seaglint.viewer.picture import Show
-from seaglint.viewer.regions import MOST_CORNERS, Region, of_csv, of_file, of_imagej, to_csv, to_imagej
+from seaglint.viewer.regions import MOST_CORNERS, PictureRegion, of_csv, of_file, of_imagej, to_csv, to_imagej
 
 from .conftest import COLUMNS, FRAMES, ROWS, radiance
 
 REGIONS = [
-    Region.rectangle(5, 4, 20, 10),
-    Region("ellipse", (20.0, 10.0, 30.0, 25.0), "glint, middle"),
-    Region("polygon", (2.5, 3.0, 60.0, 8.5, 30.0, 45.0), "corridor"),
+    PictureRegion.rectangle(5, 4, 20, 10),
+    PictureRegion("ellipse", (20.0, 10.0, 30.0, 25.0), "glint, middle"),
+    PictureRegion("polygon", (2.5, 3.0, 60.0, 8.5, 30.0, 45.0), "corridor"),
 ]
 
 
@@ -46,11 +46,11 @@ def test_rectangle_is_the_slice_of_its_pixels():
 
 
 def test_ellipse_and_polygon_have_the_areas_of_their_shapes():
-    ellipse = Region("ellipse", (10.0, 20.0, 300.0, 200.0)).mask(300, 400)
+    ellipse = PictureRegion("ellipse", (10.0, 20.0, 300.0, 200.0)).mask(300, 400)
     assert ellipse.sum() == pytest.approx(np.pi * 150 * 100, rel=2e-3)  # the edge's pixels count wholly or not
-    triangle = Region("polygon", (10.0, 10.0, 310.0, 10.0, 10.0, 210.0)).mask(300, 400)
+    triangle = PictureRegion("polygon", (10.0, 10.0, 310.0, 10.0, 10.0, 210.0)).mask(300, 400)
     assert triangle.sum() == pytest.approx(300 * 200 / 2, rel=5e-3)
-    assert np.array_equal(Region("polygon", (5, 4, 25, 4, 25, 14, 5, 14)).mask(ROWS, COLUMNS), REGIONS[0].mask(ROWS, COLUMNS))
+    assert np.array_equal(PictureRegion("polygon", (5, 4, 25, 4, 25, 14, 5, 14)).mask(ROWS, COLUMNS), REGIONS[0].mask(ROWS, COLUMNS))
 
 
 @pytest.mark.parametrize(
@@ -68,12 +68,12 @@ def test_ellipse_and_polygon_have_the_areas_of_their_shapes():
 )
 def test_texts_that_are_no_regions_are_refused(text, reason):
     with pytest.raises(DataError, match=reason):
-        Region.of_text(text)
+        PictureRegion.of_text(text)
 
 
 def test_statistics_leave_out_pixels_without_a_value(gaps):
     path, values = gaps
-    regions = [Region.rectangle(2, 1, 9, 8), Region.rectangle(0, 0, 1, 1), Region.rectangle(90, 0, 5, 5)]
+    regions = [PictureRegion.rectangle(2, 1, 9, 8), PictureRegion.rectangle(0, 0, 1, 1), PictureRegion.rectangle(90, 0, 5, 5)]
     inside, empty, outside = statistics(open_source(path), 2, regions)
     expected = values[2, 1:9, 2:11]
     assert (inside["pixels"], inside["values"]) == (72, np.isfinite(expected).sum())
@@ -89,7 +89,7 @@ def test_courses_are_the_means_of_every_frame(store, gaps):
     expected = [[radiance(n)[mask].astype(float).mean() for n in range(FRAMES)] for mask in masks]
     assert np.allclose(told["means"], expected, rtol=1e-12)
     assert told["times_s"] == pytest.approx([n / 25.0 for n in range(FRAMES)])
-    assert courses(open_source(gaps[0]), [Region.rectangle(4, 3, 3, 3)], None, nothing)["means"][0][2] is None
+    assert courses(open_source(gaps[0]), [PictureRegion.rectangle(4, 3, 3, 3)], None, nothing)["means"][0][2] is None
 
 
 def test_pictures_over_time_are_those_of_numpy_and_become_layers(gaps):

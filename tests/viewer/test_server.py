@@ -21,7 +21,7 @@ pytest.importorskip("starlette", reason="the viewer's extra is not installed")
 httpx = pytest.importorskip("httpx", reason="httpx is not installed")
 
 from seaglint.viewer import server  # noqa: E402
-from seaglint.viewer.jobs import Job, Jobs, StoppedError  # noqa: E402
+from seaglint.viewer.jobs import Jobs, PageJob, StoppedError  # noqa: E402
 from seaglint.viewer.library import Library  # noqa: E402
 from seaglint.viewer.server import MOST_ADDRESS, MOST_BODY, Guard  # noqa: E402
 
@@ -258,7 +258,7 @@ def test_fifty_clients_at_once(store):
 
 
 def test_jobs_that_nobody_waits_for_end():
-    job = Job(requested=time.monotonic() - 60.0)
+    job = PageJob(requested=time.monotonic() - 60.0)
     with pytest.raises(StoppedError):
         job.progress(1, 2)
     jobs = Jobs()

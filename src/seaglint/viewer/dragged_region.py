@@ -19,7 +19,7 @@ from seaglint.clutter import filters
 from seaglint.clutter.fits import Family, fit
 from seaglint.clutter.thresholds import gaussian_rate, standardise
 from seaglint.viewer.frame_source import ViewerSource
-from seaglint.viewer.regions import BoolArray, Region
+from seaglint.viewer.regions import BoolArray, PictureRegion
 
 if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
@@ -34,7 +34,7 @@ THRESHOLDS: Final = np.linspace(0.0, 8.0, 81)  #: Thresholds of the plot of rate
 _CURVE: Final = 160  #: Number of points of a distribution's curve.
 
 
-def quick(source: ViewerSource, index: int, where: Region, layer: str | None = None) -> JsonObject:
+def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | None = None) -> JsonObject:
     """Return moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze`` with a mask.
 
     Raises
@@ -81,7 +81,7 @@ def quick(source: ViewerSource, index: int, where: Region, layer: str | None = N
     }
 
 
-def whole(source: ViewerSource, where: Region, layer: str | None, only: int | None, progress: Progress) -> JsonObject:
+def whole(source: ViewerSource, where: PictureRegion, layer: str | None, only: int | None, progress: Progress) -> JsonObject:
     """Return all statistics of ``seaglint analyze`` with a mask, for a region of one frame or of all frames that exist.
 
     Raises
@@ -104,7 +104,7 @@ def whole(source: ViewerSource, where: Region, layer: str | None, only: int | No
 
 
 def exceedances(
-    source: ViewerSource, index: int, sigma: float, filter_name: str, layer: str | None = None, where: Region | None = None
+    source: ViewerSource, index: int, sigma: float, filter_name: str, layer: str | None = None, where: PictureRegion | None = None
 ) -> tuple[JsonObject, BoolArray]:
     """Return the pixels of a frame above a threshold after a filter, as ``seaglint analyze`` counts them, and their mask.
 
@@ -115,7 +115,7 @@ def exceedances(
     filter_name : str
         One of :data:`seaglint.clutter.filters.NAMES`, or ``"none"``.
     where : Rectangle, optional
-        Region; the whole frame by default.
+        PictureRegion; the whole frame by default.
 
     Raises
     ------

@@ -25,7 +25,7 @@ class StoppedError(Exception):
 
 
 @dataclass
-class Job:
+class PageJob:
     """Computation in progress: numbers of steps, and finally its result or the text of its error."""
 
     done: int = 0
@@ -48,7 +48,7 @@ class Jobs:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._jobs: dict[int, Job] = {}
+        self._jobs: dict[int, PageJob] = {}
         self._numbers = itertools.count()
 
     def start(self, work: Callable[[Progress], JsonObject]) -> int:
@@ -65,7 +65,7 @@ class Jobs:
             # Finished jobs are discarded from the oldest on; at most MOST run, so that one of 4 MOST is always finished.
             while len(self._jobs) >= 4 * MOST:
                 self._jobs.pop(next(number for number, job in self._jobs.items() if job.finished.is_set()))
-            number, job = next(self._numbers), Job()
+            number, job = next(self._numbers), PageJob()
             self._jobs[number] = job
 
         def run() -> None:
@@ -85,7 +85,7 @@ class Jobs:
         threading.Thread(target=run, name=f"job {number}", daemon=True).start()
         return number
 
-    def get(self, number: int) -> Job:
+    def get(self, number: int) -> PageJob:
         """Return the job of a number, and restart its time-out.
 
         Raises

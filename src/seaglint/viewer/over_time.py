@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject, number
 from seaglint.viewer.frame_source import OVER_TIME, ViewerSource
-from seaglint.viewer.regions import Region
+from seaglint.viewer.regions import PictureRegion
 
 if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 _STEP: Final = 16  #: Number of frames between two reports of progress.
 
 
-def statistics(source: ViewerSource, index: int, regions: Sequence[Region], layer: str | None = None) -> list[JsonObject]:
+def statistics(source: ViewerSource, index: int, regions: Sequence[PictureRegion], layer: str | None = None) -> list[JsonObject]:
     """Return number of pixels, mean, standard deviation and extremes of each region of one frame; of an empty region the reason.
 
     Raises
@@ -50,7 +50,7 @@ def statistics(source: ViewerSource, index: int, regions: Sequence[Region], laye
     return out
 
 
-def courses(source: ViewerSource, regions: Sequence[Region], layer: str | None, progress: Progress) -> JsonObject:
+def courses(source: ViewerSource, regions: Sequence[PictureRegion], layer: str | None, progress: Progress) -> JsonObject:
     """Return the mean of each region in every frame that exists; None in frames where it has no value.
 
     Raises

@@ -23,6 +23,7 @@ from seaglint.base.optional import optional
 from seaglint.formats.tables.table_text import csv_text
 
 BoolArray = NDArray[np.bool_]
+Floats = NDArray[np.float64]
 
 Shape = Literal["rectangle", "ellipse", "polygon"]
 SHAPES: Final[tuple[Shape, ...]] = get_args(Shape)
@@ -39,7 +40,7 @@ _HEAD: Final = ("name", "shape", "numbers")
 
 
 @dataclass(frozen=True)
-class Region:
+class PictureRegion:
     """Part of a picture.
 
     The numbers [px] of a rectangle and an ellipse are left, top, width and height, and of a polygon column and row of each corner.
@@ -62,12 +63,12 @@ class Region:
             raise DataError(f"{self.shape} {self.text}: give left, top, width and height, the last two above 0")
 
     @classmethod
-    def rectangle(cls, left: float, top: float, width: float, height: float) -> Region:
+    def rectangle(cls, left: float, top: float, width: float, height: float) -> PictureRegion:
         """Return a rectangle."""
         return cls("rectangle", (left, top, width, height))
 
     @classmethod
-    def of_text(cls, text: str, name: str = "") -> Region:
+    def of_text(cls, text: str, name: str = "") -> PictureRegion:
         """Return the region of a request's text: ``"ellipse 10 8 36 33"``.
 
         Raises
@@ -77,7 +78,7 @@ class Region:
 
         Examples
         --------
-        >>> Region.of_text("ellipse 10 8 36 33").numbers
+        >>> PictureRegion.of_text("ellipse 10 8 36 33").numbers
         (10.0, 8.0, 36.0, 33.0)
         """
         shape, *words = text.split() or [""]
@@ -103,7 +104,8 @@ class Region:
         DataError
             No pixel of the region lies in the image.
         """
-        across, down = np.arange(columns) + 0.5, np.arange(rows)[:, np.newaxis] + 0.5
+        across: Floats = np.arange(columns, dtype=np.float64) + 0.5
+        down: Floats = np.arange(rows, dtype=np.float64)[:, np.newaxis] + 0.5
         if self.shape == "polygon":
             out = _inside_polygon(across, down, np.reshape(self.numbers, (-1, 2)))
         else:
@@ -117,7 +119,7 @@ class Region:
         return out
 
 
-def _inside_polygon(across: NDArray[np.float64], down: NDArray[np.float64], corners: NDArray[np.float64]) -> BoolArray:
+def _inside_polygon(across: Floats, down: Floats, corners: Floats) -> BoolArray:
     """Return the pixels from which a ray to the left crosses an odd number of sides."""
     out = np.zeros((down.size, across.size), np.bool_)
     for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
@@ -129,12 +131,12 @@ def _inside_polygon(across: NDArray[np.float64], down: NDArray[np.float64], corn
     return out
 
 
-def to_csv(regions: Iterable[Region]) -> str:
+def to_csv(regions: Iterable[PictureRegion]) -> str:
     """Return regions as CSV: name, shape, and the numbers of the shape in one cell."""
     return csv_text([_HEAD, *((region.name, region.shape, region.text.partition(" ")[2]) for region in regions)])
 
 
-def of_csv(text: str) -> list[Region]:
+def of_csv(text: str) -> list[PictureRegion]:
     """Return the regions of a CSV file that :func:`to_csv` wrote.
 
     Raises
@@ -149,11 +151,11 @@ def of_csv(text: str) -> list[Region]:
     for number, row in enumerate(rows[1:], 2):
         if len(row) != len(_HEAD):
             raise DataError(f"regions as CSV: row {number} has {len(row)} cells; give {', '.join(_HEAD)}")
-        out.append(Region.of_text(f"{row[1]} {row[2]}", row[0].strip()[:40]))
+        out.append(PictureRegion.of_text(f"{row[1]} {row[2]}", row[0].strip()[:40]))
     return out
 
 
-def to_imagej(regions: Iterable[Region]) -> bytes:
+def to_imagej(regions: Iterable[PictureRegion]) -> bytes:
     """Return regions as an archive of ImageJ's ROI manager (``.zip``), one entry for each region.
 
     Raises
@@ -179,7 +181,7 @@ def to_imagej(regions: Iterable[Region]) -> bytes:
     return out.getvalue()
 
 
-def of_imagej(content: bytes) -> list[Region]:
+def of_imagej(content: bytes) -> list[PictureRegion]:
     """Return the regions of a file of ImageJ, one region (``.roi``) or an archive (``.zip``).
 
     Raises
@@ -203,7 +205,7 @@ def of_imagej(content: bytes) -> list[Region]:
     return [_of_roi(roifile, name, entry) for name, entry in entries]
 
 
-def _of_roi(roifile: object, name: str, content: bytes) -> Region:
+def _of_roi(roifile: object, name: str, content: bytes) -> PictureRegion:
     kinds = roifile.ROI_TYPE  # type: ignore[attr-defined]
     try:
         roi = roifile.ImagejRoi.frombytes(content)  # type: ignore[attr-defined]
@@ -214,15 +216,15 @@ def _of_roi(roifile: object, name: str, content: bytes) -> Region:
     name = (roi.name or name)[:40]
     box = (float(roi.left), float(roi.top), float(roi.right - roi.left), float(roi.bottom - roi.top))
     if corners is not None:
-        return Region("polygon", tuple(corners.ravel().tolist()), name)
+        return PictureRegion("polygon", tuple(corners.ravel().tolist()), name)
     if roi.roitype == kinds.RECT:
-        return Region("rectangle", box, name)
+        return PictureRegion("rectangle", box, name)
     if roi.roitype == kinds.OVAL:
-        return Region("ellipse", box, name)
+        return PictureRegion("ellipse", box, name)
     raise DataError(f"region of ImageJ '{name}': is a {roi.roitype.name.lower()}; allowed are rectangles, ovals and polygons")
 
 
-def of_file(content: bytes) -> list[Region]:
+def of_file(content: bytes) -> list[PictureRegion]:
     """Return the regions of an uploaded file: CSV, or ImageJ's ``.roi`` or ``.zip``; regions without a name are numbered.
 
     Raises

@@ -1,7 +1,7 @@
 """Requests of the page of sequences: its script, pictures, probes, traces, regions, analyses and downloads.
 
 Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path. Long computations are
-:class:`~seaglint.viewer.jobs.Job`.
+:class:`~seaglint.viewer.jobs.PageJob`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from seaglint.viewer.jobs import Jobs
 from seaglint.viewer.library import Library
 from seaglint.viewer.over_time import courses, profile, project, statistics
 from seaglint.viewer.picture import KINDS, Scales, Show, tag
-from seaglint.viewer.regions import MOST_REGIONS, Region, of_file, to_csv, to_imagej
+from seaglint.viewer.regions import MOST_REGIONS, PictureRegion, of_file, to_csv, to_imagej
 
 if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
@@ -235,10 +235,10 @@ class Query:
             raise DataError(f"{name} = {text[:40]!r}: give a finite number")
         return value
 
-    def region(self) -> Region | None:
+    def region(self) -> PictureRegion | None:
         """Return a region, or None if the request has none."""
         text = self.word("region")
-        return None if text is None else Region.of_text(text)
+        return None if text is None else PictureRegion.of_text(text)
 
     def colours(self) -> Colours:
         """Return the colours of the brightness scale."""
@@ -249,7 +249,7 @@ class Query:
         raise DataError(f"colours '{requested[:40]}': allowed are {', '.join(_COLOURS)}")
 
 
-def regions_of(body: bytes) -> list[Region]:
+def regions_of(body: bytes) -> list[PictureRegion]:
     """Return the regions of a request's body: ``{"regions": [["ellipse 10 8 36 33", "name"], ...]}``.
 
     Raises
@@ -263,7 +263,7 @@ def regions_of(body: bytes) -> list[Region]:
         raise DataError('regions of a request: give {"regions": [["rectangle 10 8 36 33", "name"]]}') from None
     if not 1 <= len(given) <= MOST_REGIONS:
         raise DataError(f"{len(given)} regions: give 1 to {MOST_REGIONS}")
-    return [Region.of_text(text, name[:40]) for text, name in given]
+    return [PictureRegion.of_text(text, name[:40]) for text, name in given]
 
 
 def routes(library: Library, links: list[dict[str, str]]) -> list[Route]:
@@ -455,7 +455,7 @@ class _Pages:
         return _json(quick(self._of(request), _index(request), self._region(query), query.word("layer")))
 
     @staticmethod
-    def _region(query: Query) -> Region:
+    def _region(query: Query) -> PictureRegion:
         region = query.region()
         if region is None:
             raise DataError("no region is given; drag one on the picture")
