@@ -63,7 +63,7 @@ def test_histogram_and_false_alarms_tell_their_values(seen):
     seen.on("threshold-plot").scroll_into_view_if_needed()
     told = point(seen, "threshold-plot", 2 / 8)
     assert told.startswith("threshold 2 σ: measured ")
-    assert told.endswith("Gaussian 0.0228 per pixel")
+    assert told.endswith("Gaussian 2.28 × 10⁻² per pixel")
     seen.page.mouse.down()
     seen.page.mouse.up()
     seen.until("document.getElementById('threshold-table').dataset.sigma === '2'")
@@ -199,6 +199,7 @@ def test_a_finger_probes_and_marks_a_region_on_a_phone(chromium, store):
     seen.until("document.getElementById('probe-where').textContent === 'column 40, row 30'")
     seen.until("document.querySelector('[data-testid=probe-radiance]')")
     assert seen.number("probe-radiance") == float(radiance(0)[30, 40])
+    assert seen.on("probe-line").text_content() == f"column 40, row 30: {float(f'{radiance(0)[30, 40]:.5g}'):g} W m⁻² sr⁻¹"
     sizes = "[...document.querySelectorAll('button')].filter((b) => b.offsetParent).map((b) => Math.min(b.offsetWidth, b.offsetHeight))"
     assert min(seen.page.evaluate(sizes)) >= 40
     seen.on("tool-polygon").tap()

@@ -145,7 +145,7 @@ export class Plot {
     pen.rotate(-Math.PI / 2);
     pen.textAlign = "center";
     pen.textBaseline = "middle";
-    const whole = text(data.y, tensY), room = box.b - box.y + 24;
+    const whole = text(data.y, tensY), room = box.b + box.y - 6;
     pen.fillText(pen.measureText(whole).width > room ? fitted(pen, text({ ...data.y, name: "" }, tensY).trim(), room) : whole, 0, 0);
     pen.restore();
   }

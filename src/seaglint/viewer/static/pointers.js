@@ -47,7 +47,7 @@ export function pointers(name, pane, page) {
     if (first && Math.hypot(left + first[0] * size - x, top + first[1] * size - y) < 14 && state.draft.length > 2) { close(); return; }
     const { columns, rows } = pane.meta, [column, row] = pane.at(x, y);
     state.draft.push([bounded(column, columns), bounded(row, rows)].map((v) => Math.round(10 * v) / 10));
-    $("tool-told").textContent = `${state.draft.length} corners: click the first one again, or press Enter, to close it`;
+    $("tool-told").textContent = `${state.draft.length} corner${state.draft.length > 1 ? "s" : ""}: click the first one again, or press Enter, to close it`;
   }
 
   canvas.addEventListener("pointerdown", (event) => {

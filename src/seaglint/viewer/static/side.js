@@ -29,6 +29,8 @@ export const probe = latest(async () => {
     if (first.objects.length) rows.push({ id: "probe-objects", label: "object", unit: "", values: [first.objects.join(", ")] });
     fill($("probe"), rows);
     $("probe").dataset.frame = first.frame;
+    const shown = first.values.find((v) => v.name === $("layer").value);
+    $("probe-line").textContent = `column ${column}, row ${row}: ${shown ? reading(shown.value, shown.unit) : "–"} ${shown?.unit || ""}`;
   } catch (error) { say(error); }
 });
 

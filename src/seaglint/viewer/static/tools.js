@@ -20,8 +20,8 @@ function scientific(value, many) {
   return `${Number(mantissa)} × ${power(Number(exponent))}`;
 }
 
-/** A rate per pixel: three digits, all rates below a hundredth in one style. */
-export const rate = (value) => (value === null || value === 0 || value >= 0.01 ? digits(value, 3) : scientific(value, 3));
+/** A rate per pixel: three digits, all rates below a tenth in one style. */
+export const rate = (value) => (value === null || value === 0 || value >= 0.1 ? digits(value, 3) : scientific(value, 3));
 
 /** A value of values that spread: digits down to a hundredth of their deviation. */
 export function within(value, spread) {
