@@ -239,6 +239,14 @@ def test_a_link_and_a_file_bring_the_view_back(chromium, served, seen, tmp_path)
     third.end()
 
 
+def test_a_link_to_a_picture_over_time_computes_it(chromium, store):
+    viewer, seen = visit(chromium, store, fragment="#a=run.zarr&frame=3&layer=radiance_maximum&pixel=33+17")
+    seen.until("document.getElementById('layer').value === 'radiance_maximum'")
+    seen.until("document.querySelector('[data-testid=probe-radiance_maximum]')")
+    assert seen.number("probe-radiance_maximum") == max(float(radiance(n)[17, 33]) for n in range(FRAMES))
+    leave(viewer, seen)
+
+
 def test_theme_follows_the_system_until_it_is_switched(chromium, served):
     ground = "getComputedStyle(document.body).backgroundColor"
     seen = Seen(chromium, served, color_scheme="light")

@@ -270,7 +270,7 @@ async function look() {
       const other = now.rows !== before.rows || now.columns !== before.columns || now.layers.length !== before.layers.length;
       state.meta[name] = now;
       if (state.panes[name]) state.panes[name].meta = now;
-      if (other || isGone() || (before.first === null && now.first !== null)) { await open(); return; }
+      if (other || isGone() || (before.first === null && now.first !== null)) { await restore(fragment(), page); return; } // regions stay
     }
     const atEnd = Number($("scrub").max);
     if (last() !== atEnd) limits();
