@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -11,6 +13,9 @@ from seaglint.optics.band import Band
 from seaglint.store.layout import NUMBERS, Layout, Truth
 from seaglint.store.provenance import provenance
 from seaglint.store.sequence_store import write_sequence
+
+if TYPE_CHECKING:
+    from .page import Seen, Served
 
 ROWS, COLUMNS, FRAMES = 48, 64, 12
 
@@ -64,3 +69,37 @@ def half(tmp_path: Path) -> Path:
     with pytest.raises(RuntimeError):
         write_sequence(tmp_path / "half.zarr", layout(), until)
     return tmp_path / "half.zarr"
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator:
+    playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+    from .page import CHROMIUM
+
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox", "--headless=new"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def served(store, tmp_path_factory) -> Iterator[Served]:
+    from .page import Served
+
+    other = write_sequence(
+        tmp_path_factory.mktemp("other") / "other.zarr", layout(), lambda n: {**images(n), "radiance": radiance(n + 100)}
+    )
+    viewer = Served(store, other)
+    yield viewer
+    viewer.end()
+
+
+@pytest.fixture
+def seen(chromium, served) -> Iterator[Seen]:
+    from .page import Seen
+
+    page = Seen(chromium, served)
+    page.on("source-b").select_option("")
+    page.until("seaglint.state.b === null && seaglint.state.panes.a.drawn > 0")
+    yield page
+    page.end()

@@ -7,11 +7,7 @@ from __future__ import annotations
 
 import json
 import os
-import socket
-import threading
-from collections.abc import Iterator
 from pathlib import Path
-from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
@@ -24,109 +20,9 @@ from seaglint.viewer.frame_source import open_source
 
 from .conftest import COLUMNS, ROWS, images, layout, radiance
 
-playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-uvicorn = pytest.importorskip("uvicorn", reason="the viewer's extra is not installed")
+pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
 
-CHROMIUM = Path("/usr/bin/chromium")
-if not CHROMIUM.exists():
-    pytest.skip(f"no {CHROMIUM}", allow_module_level=True)
-
-PATIENCE = 600_000  # ms; of a machine that is busy with other tests
-
-
-class Served:
-    """A viewer in this process, at a port of its own."""
-
-    def __init__(self, *paths: Path) -> None:
-        from seaglint.viewer.library import Library
-        from seaglint.viewer.server import make_app
-
-        self.socket = socket.socket()
-        self.socket.bind(("127.0.0.1", 0))
-        self.socket.listen()
-        self.place = f"127.0.0.1:{self.socket.getsockname()[1]}"
-        self.server = uvicorn.Server(uvicorn.Config(make_app(Library(paths)), log_level="error", lifespan="off"))
-        self.thread = threading.Thread(target=self.server.run, kwargs={"sockets": [self.socket]}, daemon=True)
-        self.thread.start()
-
-    def end(self) -> None:
-        self.server.should_exit = True
-        self.thread.join(10)
-        self.socket.close()
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator:
-    with playwright.sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox", "--headless=new"])
-        yield browser
-        browser.close()
-
-
-@pytest.fixture(scope="module")
-def served(store, tmp_path_factory) -> Iterator[Served]:
-    other = write_sequence(
-        tmp_path_factory.mktemp("other") / "other.zarr", layout(), lambda n: {**images(n), "radiance": radiance(n + 100)}
-    )
-    viewer = Served(store, other)
-    yield viewer
-    viewer.end()
-
-
-class Seen:
-    """A page and every request of it."""
-
-    def __init__(self, browser, viewer: Served, size=(1366, 768)) -> None:
-        self.place = viewer.place
-        # Strings that Playwright waits for are evaluated, which the pages' policy forbids; test_policy_holds looks with it on.
-        self.context = browser.new_context(viewport={"width": size[0], "height": size[1]}, bypass_csp=True, accept_downloads=True)
-        self.page = self.context.new_page()
-        self.page.set_default_timeout(PATIENCE)
-        self.requests: list[str] = []
-        self.errors: list[str] = []
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.goto(f"http://{viewer.place}/")
-        self.until("window.seaglint && seaglint.state.panes.a && seaglint.state.panes.a.drawn > 0")
-
-    def until(self, condition: str) -> None:
-        self.page.wait_for_function(condition, timeout=PATIENCE)
-
-    def on(self, testid: str):
-        return self.page.locator(f"[data-testid={testid}]")
-
-    def number(self, testid: str) -> float:
-        return float(self.on(testid).first.get_attribute("data-value"))
-
-    def at(self, column: int, row: int, pane: str = "a") -> tuple[float, float]:
-        return tuple(self.page.evaluate("([pane, column, row]) => seaglint.screen(pane, column, row)", [pane, column, row]))
-
-    def scrub(self, frame: int) -> None:
-        self.on("scrub").evaluate("(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')) }", frame)
-        self.until(f"seaglint.state.frame === {frame}")
-
-    def drag(self, first: tuple[int, int], last: tuple[int, int]) -> dict[str, int]:
-        self.page.keyboard.down("Shift")
-        self.page.mouse.move(*self.at(*first))
-        self.page.mouse.down()
-        self.page.mouse.move(*self.at(*last), steps=5)
-        self.page.mouse.up()
-        self.page.keyboard.up("Shift")
-        return self.page.evaluate("seaglint.state.region")
-
-    def end(self) -> None:
-        self.context.close()
-        assert self.errors == []
-        assert {urlsplit(url).netloc for url in self.requests if not url.startswith(("blob:", "data:"))} == {self.place}
-
-
-@pytest.fixture
-def seen(chromium, served) -> Iterator[Seen]:
-    page = Seen(chromium, served)
-    page.on("source-b").select_option("")
-    page.until("seaglint.state.b === null && seaglint.state.panes.a.drawn > 0")
-    yield page
-    page.end()
+from .page import PATIENCE, Seen, Served
 
 
 def test_scrub_and_probe_tell_the_stores_values(seen):
@@ -316,6 +212,12 @@ def test_screenshots(chromium, tmp_path):
     seen.scrub(3)
     seen.page.mouse.click(*seen.at(300, 120))
     seen.drag((200, 150), (300, 215))
+    seen.drag((60, 120), (140, 190))
+    seen.on("tool-line").click()
+    seen.page.mouse.move(*seen.at(20, 60))
+    seen.page.mouse.down()
+    seen.page.mouse.move(*seen.at(460, 60), steps=3)
+    seen.page.mouse.up()
     seen.on("threshold-on").check()
     seen.page.mouse.move(*seen.at(262, 90))
     seen.until("document.querySelector('[data-testid=region-mean]') && document.querySelector('[data-testid=threshold-rate]')")

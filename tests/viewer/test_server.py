@@ -21,8 +21,8 @@ pytest.importorskip("starlette", reason="the viewer's extra is not installed")
 httpx = pytest.importorskip("httpx", reason="httpx is not installed")
 
 from seaglint.viewer import server  # noqa: E402
+from seaglint.viewer.jobs import Jobs, PageJob, StoppedError  # noqa: E402
 from seaglint.viewer.library import Library  # noqa: E402
-from seaglint.viewer.routes import AnalysisJob, Jobs, _StoppedError  # noqa: E402
 from seaglint.viewer.server import MOST_ADDRESS, MOST_BODY, Guard  # noqa: E402
 
 from .conftest import COLUMNS, ROWS, radiance  # noqa: E402
@@ -106,7 +106,7 @@ def test_boxes_are_the_truths(app):
         ("/api/exceedances/0/0?sigma=-3", "give standard deviations from 0 to 100"),
         ("/api/region/0/0", "drag one on the picture"),
         ("/api/export/frame/0/0/exe", "saved as .png, .npy, .tif"),
-        ("/api/analysis/77", "start it again"),
+        ("/api/job/77", "start it again"),
     ],
 )
 def test_what_cannot_be_is_told(app, path, told):
@@ -258,8 +258,8 @@ def test_fifty_clients_at_once(store):
 
 
 def test_jobs_that_nobody_waits_for_end():
-    job = AnalysisJob(requested=time.monotonic() - 60.0)
-    with pytest.raises(_StoppedError):
+    job = PageJob(requested=time.monotonic() - 60.0)
+    with pytest.raises(StoppedError):
         job.progress(1, 2)
     jobs = Jobs()
     number = jobs.start(lambda progress: {"done": progress(1, 2)})

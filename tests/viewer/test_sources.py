@@ -18,9 +18,10 @@ from seaglint.store.location import partial_path, place_of
 from seaglint.store.sequence_store import write_sequence
 from seaglint.store.shards import Shards
 from seaglint.store.stored_images import grid_of, stored_band
-from seaglint.viewer.dragged_region import Rectangle, exceedances, quick, whole
+from seaglint.viewer.dragged_region import exceedances, quick, whole
 from seaglint.viewer.frame_source import MOST_CACHED, MOST_TRACED, GoneError, open_source
 from seaglint.viewer.picture import Scales, Show, scaling_of, tag
+from seaglint.viewer.regions import PictureRegion
 from seaglint.viewer.routes import probe, trace
 
 from .conftest import COLUMNS, FRAMES, ROWS, images, layout, radiance
@@ -63,7 +64,7 @@ def test_trace_of_a_long_sequence_is_around_the_frame_or_spread_over_all(tmp_pat
 
 @pytest.mark.parametrize("only", [4, pytest.param(None, marks=pytest.mark.validation)])
 def test_region_is_what_analyze_tells(store, only):
-    where = Rectangle(8, 6, 30, 25)
+    where = PictureRegion.rectangle(8, 6, 30, 25)
     mask = np.zeros((ROWS, COLUMNS), bool)
     mask[6:31, 8:38] = True
     recording = open_recording(store)
@@ -249,7 +250,7 @@ def test_huge_store_opens_with_few_reads(tmp_path, unit, monkeypatch):
 @pytest.mark.parametrize("left", [-50, 64])
 def test_region_outside_the_picture_is_refused(store, left):
     with pytest.raises(DataError, match="outside the image of 48 rows"):
-        quick(open_source(store), 0, Rectangle(left, 0, 10, 10))
+        quick(open_source(store), 0, PictureRegion.rectangle(left, 0, 10, 10))
 
 
 def test_nothing_there_is_said_in_the_readers_words(tmp_path: Path):

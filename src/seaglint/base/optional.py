@@ -26,6 +26,7 @@ REQUIREMENTS: Final = (
     "manifold3d>=3.0",
     "nicegui>=3.0",
     "pyarrow>=17",
+    "roifile>=2024.9",
     "s3fs>=2024.9",
     "tifffile>=2024.8",
     "trimesh>=4.5",

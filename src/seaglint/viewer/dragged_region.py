@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -20,46 +19,22 @@ from seaglint.clutter import filters
 from seaglint.clutter.fits import Family, fit
 from seaglint.clutter.thresholds import gaussian_rate, standardise
 from seaglint.viewer.frame_source import ViewerSource
+from seaglint.viewer.regions import BoolArray, PictureRegion
 
 if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
 
 
-BoolArray = NDArray[np.bool_]
-
 SHOWN: Final[tuple[Family, ...]] = ("gamma", "gaussian")  #: Families of distributions drawn over the histogram.
 
 BINS: Final = 60  #: Number of bins of the histogram.
 
+THRESHOLDS: Final = np.linspace(0.0, 8.0, 81)  #: Thresholds of the plot of rates [standard deviations].
+
 _CURVE: Final = 160  #: Number of points of a distribution's curve.
 
 
-@dataclass(frozen=True)
-class Rectangle:
-    """Rectangle of pixels from ``left`` and ``top`` on, ``width`` by ``height``."""
-
-    left: int
-    top: int
-    width: int
-    height: int
-
-    def mask(self, rows: int, columns: int) -> BoolArray:
-        """Return a mask of the image that is true inside the rectangle.
-
-        Raises
-        ------
-        DataError
-            No pixel of the rectangle lies in the image.
-        """
-        out = np.zeros((rows, columns), np.bool_)
-        # Negative ends would count from the far side of the array.
-        out[max(self.top, 0) : max(self.top + self.height, 0), max(self.left, 0) : max(self.left + self.width, 0)] = True
-        if not out.any():
-            raise DataError(f"region {self}: lies outside the image of {rows} rows and {columns} columns; drag one inside")
-        return out
-
-
-def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None = None) -> JsonObject:
+def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | None = None) -> JsonObject:
     """Return moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze`` with a mask.
 
     Raises
@@ -92,6 +67,7 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
         "frame": index,
         "label": chosen.label,
         "unit": chosen.unit,
+        "spread_unit": chosen.spread_unit,
         "pixels": int(mask.sum()),
         "values": moments.count,
         "mean": number(moments.mean + recording.offset),
@@ -105,7 +81,7 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
     }
 
 
-def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int | None, progress: Progress) -> JsonObject:
+def whole(source: ViewerSource, where: PictureRegion, layer: str | None, only: int | None, progress: Progress) -> JsonObject:
     """Return all statistics of ``seaglint analyze`` with a mask, for a region of one frame or of all frames that exist.
 
     Raises
@@ -122,13 +98,13 @@ def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int |
     if "glint" not in analysis.regions:
         raise DataError(f"the region has too few pixels with values ({'; '.join(analysis.notes)}); drag another one")
     out = analysis.regions["glint"].as_dict()
-    region = {"left": where.left, "top": where.top, "width": where.width, "height": where.height}
+    region = {"shape": where.shape, "numbers": list(where.numbers)}
     known = {"source": recording.source, "units": recording.units, "frame": only, "frames": recording.frames, "region_px": region}
     return {**known, "blur_px": recording.blur_px, "blur": recording.blur, **out}
 
 
 def exceedances(
-    source: ViewerSource, index: int, sigma: float, filter_name: str, layer: str | None = None, where: Rectangle | None = None
+    source: ViewerSource, index: int, sigma: float, filter_name: str, layer: str | None = None, where: PictureRegion | None = None
 ) -> tuple[JsonObject, BoolArray]:
     """Return the pixels of a frame above a threshold after a filter, as ``seaglint analyze`` counts them, and their mask.
 
@@ -139,7 +115,7 @@ def exceedances(
     filter_name : str
         One of ``seaglint.clutter.filters.NAMES``, or ``"none"``.
     where : Rectangle, optional
-        Region; the whole frame by default.
+        PictureRegion; the whole frame by default.
 
     Raises
     ------
@@ -172,8 +148,21 @@ def exceedances(
         "gaussian_rate": expected,
         "ratio": number(rate / expected) if expected > 0.0 else None,
         "value": _value(filtered[0], mask, sigma, recording.offset) if filter_name == "none" else None,
+        "curve": _curve(z),
     }
     return result, above
+
+
+def _curve(z: NDArray[np.float32]) -> JsonObject:
+    """Return the rate of pixels above each of many thresholds, and the rates of Gaussian noise."""
+    values = np.sort(z[np.isfinite(z)], axis=None)
+    above = values.size - np.searchsorted(values, THRESHOLDS.astype(np.float32), side="right")
+    return {
+        "sigma": THRESHOLDS.round(6).tolist(),
+        # No rate for thresholds that no pixel exceeds: a logarithm has no place for zero.
+        "rate": [count / values.size if count else None for count in above.tolist()],
+        "gaussian": [float(gaussian_rate(float(sigma))) for sigma in THRESHOLDS],
+    }
 
 
 def _value(frame: NDArray[np.float32], mask: BoolArray, sigma: float, offset: float) -> float | None:

@@ -16,6 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.constants import zero_Celsius
 
 from seaglint.analysis import Recording
 from seaglint.base.errors import DataError, SeaglintError
@@ -32,6 +33,10 @@ from seaglint.store.stored_images import count_line, directions, to_temperature
 
 _MAPS: Final = (".nc", ".nc4")
 
+OVER_TIME: Final = ("mean", "deviation", "maximum")  #: Pictures that are computed from all frames of a layer.
+
+_RAW: Final = "value"  #: Name of the layer with the numbers of a recording as it is stored.
+
 
 @dataclass(frozen=True)
 class Layer:
@@ -43,6 +48,15 @@ class Layer:
     read: Callable[[int], NDArray[np.floating[Any]]] = field(repr=False)  #: ``read(index)`` gives the image (rows, columns).
     saturation: float | None = None  #: Value at which the format or the detector saturates.
     blur_px: float | None = None  #: Blur of the images, as in ``seaglint.analysis.Recording`` [px].
+    over_frames: int | None = None  #: Number of frames from which an image over time was computed; None for frames.
+
+    @property
+    def spread_unit(self) -> str:
+        """Return the unit of differences of values: a difference of temperatures has no zero to be shifted."""
+        return "K" if self.unit == _CELSIUS else self.unit
+
+
+_CELSIUS: Final = "°C"
 
 
 @dataclass(frozen=True)
@@ -253,7 +267,7 @@ def _of_recording(recording: Recording) -> FileContent:
         frames=recording.frames,
         rows=recording.rows,
         columns=recording.columns,
-        layers={"value": Layer("value", label, unit, read, full)},
+        layers={_RAW: Layer(_RAW, label, unit, read, full)},
         done=lambda: everything,
         frame_rate=recording.frame_rate,
         recording=recording,
@@ -327,9 +341,40 @@ class ViewerSource:
 
     def _open(self) -> FileContent:
         opened = open_path(self._place, self._variable, self._channel, self._axes)
+        opened = replace(opened, layers=self._with_celsius(opened.layers))
         self._cached.clear()
         self._bytes, self._done = 0, opened.done()
         return opened
+
+    def _with_celsius(self, layers: dict[str, Layer]) -> dict[str, Layer]:
+        """Return the layers, each temperature in kelvin followed by the same in degrees Celsius."""
+        out: dict[str, Layer] = {}
+        for layer in layers.values():
+            out[layer.name] = layer
+            if layer.unit == "K":
+                name = f"{layer.name}_celsius"
+
+                def read(index: int, kelvin: str = layer.name) -> Image:
+                    return self.read_once(index, kelvin) - zero_Celsius
+
+                out[name] = replace(layer, name=name, unit=_CELSIUS, read=read, saturation=None)
+        return out
+
+    def add_over_time(self, layer: Layer, images: dict[str, Image], frames: int) -> list[str]:
+        """Add images that were computed from all frames of a layer as layers, the same for every frame, and return their names."""
+        added: dict[str, Layer] = {}
+        for word, image in images.items():
+            image.flags.writeable = False
+
+            def read(index: int, image: Image = image) -> Image:
+                return image
+
+            unit = layer.spread_unit if word == "deviation" else layer.unit
+            name, label = f"{layer.name}_{word}", f"{layer.label}, {word} over {frames} frame{'s' * (frames != 1)}"
+            added[name] = Layer(name, label, unit, read, over_frames=frames)
+        with self._lock:
+            self._opened = replace(self._opened, layers={**self._opened.layers, **added})
+        return list(added)
 
     def _reopen_if_replaced(self) -> None:
         """Open the file again if it was replaced."""
@@ -371,6 +416,8 @@ class ViewerSource:
         with self._lock:
             chosen = self.layer(layer)
             self._require(index)
+            if chosen.over_frames is not None:
+                return chosen.read(index)
             key = (chosen.name, index)
             image = self._cached.pop(key, None)
             if image is None:
@@ -383,6 +430,20 @@ class ViewerSource:
             while self._bytes > MOST_CACHED and len(self._cached) > 1:
                 self._bytes -= self._cached.popitem(last=False)[1].nbytes
             return image
+
+    def read_once(self, index: int, layer: str | None = None) -> Image:
+        """Return the image of a frame that exists without caching it, for passes over all frames; other requests run in between."""
+        with self._lock:
+            chosen = self.layer(layer)
+            cached = self._cached.get((chosen.name, index))
+            return chosen.read(index) if cached is None else cached
+
+    def times(self, frames: NDArray[np.int64]) -> list[float] | None:
+        """Return the times of frames [s]; None where they are not known."""
+        opened = self.opened
+        if opened.times is not None:
+            return [float(time) for time in opened.times[frames]]
+        return None if opened.frame_rate is None else [float(time) for time in frames / opened.frame_rate]
 
     def _require(self, index: int) -> None:
         frames = self._opened.frames
@@ -415,13 +476,8 @@ class ViewerSource:
         else:
             first = max(min(int(np.searchsorted(done, around)) - MOST_TRACED // 2, done.size - MOST_TRACED), 0)
             frames = done[first : first + MOST_TRACED]
-        chosen = self.layer(layer)
-        values = np.empty(frames.size)
-        for place, frame in enumerate(frames.tolist()):
-            with self._lock:  # for each frame: a browser that plays the sequence does not wait for the whole trace
-                cached = self._cached.get((chosen.name, frame))
-                values[place] = (chosen.read(frame) if cached is None else cached)[row, column]
-        return frames, values
+        name = self.layer(layer).name
+        return frames, np.array([self.read_once(frame, name)[row, column] for frame in frames.tolist()], np.float64)
 
     def recording(self, layer: str | None = None, only: int | None = None) -> Recording:
         """Return the recording that ``seaglint analyze`` would open, of the frames that exist; or of one frame.
@@ -435,7 +491,9 @@ class ViewerSource:
         """
         chosen, opened = self.layer(layer), self.opened
         done = self.done() if only is None else np.array([only])
-        if (recording := opened.recording) is not None:
+        if chosen.over_frames is not None:
+            done = done[:1]  # the same image for every frame
+        if (recording := opened.recording) is not None and chosen.name == _RAW:
             if only is None:
                 return recording
             return replace(recording, frames=1, read_block=lambda start, stop: recording.read_block(only, only + 1))

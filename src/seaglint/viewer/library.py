@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Iterable, Iterator
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Final
 
@@ -53,11 +54,13 @@ class Library:
     ) -> None:
         self._lock = threading.RLock()
         self._paths: list[str] = []
+        self._numbers: dict[str, int] = {}
         self._open: dict[int, ViewerSource] = {}
         named = [str(path) for path in given]
         if folder is not None and not Path(folder).is_dir():
             raise DataError(f"folder = {folder}: is no folder; give one with sequences or recordings")
         self._folders = [Path(folder).resolve()] if folder is not None else sorted({Path(path).resolve().parent for path in named})
+        self._patterns = [_identity(path) for path in named if any(sign in Path(path).name for sign in "*?[")]
         for path in named:
             self._open[self._number(path)] = open_source(path, variable, channel, axes)
         self.given = len(self._paths)
@@ -67,10 +70,13 @@ class Library:
         return len(self._paths)
 
     def _number(self, path: str) -> int:
+        """Return the number of a path; a path that leads to a file in the list has the number of that file."""
         with self._lock:
-            if path not in self._paths:
+            known = _identity(path)
+            if known not in self._numbers:
+                self._numbers[known] = len(self._paths)
                 self._paths.append(path)
-            return self._paths.index(path)
+            return self._numbers[known]
 
     def listed(self) -> list[JsonObject]:
         """Return number and name of every file that may be opened, given files first; folders are read again."""
@@ -78,11 +84,13 @@ class Library:
             for path in _files(folder):
                 if len(self._paths) >= self.given + MOST_LISTED:
                     break
-                self._number(str(path))
+                # Images that a pattern unites to a sequence are no files of their own.
+                if not any(fnmatch(str(path.resolve()), pattern) for pattern in self._patterns):
+                    self._number(str(path))
         return [
             {"id": number, "name": self._name(path)}
             for number, path in enumerate(self._paths)
-            if number < self.given or os.path.exists(path)
+            if number < self.given or os.path.exists(path) or os.path.exists(_identity(path))
         ]
 
     def _name(self, path: str) -> str:
@@ -115,6 +123,11 @@ class Library:
             while len(self._open) > max(MOST_OPEN, self.given):
                 self._open.pop(next(n for n in self._open if n >= self.given))
             return source
+
+
+def _identity(path: str) -> str:
+    """Return what two paths to one file have in common; a sequence that is being written has its final name."""
+    return str(Path(path).resolve()).removesuffix(".partial")
 
 
 def _files(folder: Path, depth: int = 2) -> Iterator[Path]:

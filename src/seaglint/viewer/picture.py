@@ -126,7 +126,8 @@ class Show:
     def key(self) -> tuple[Any, ...]:
         """Return a key that identifies the selection, without the frame."""
         sources = tuple((s.path, s.stamp) for s in (self.source, self.minus) if s is not None)
-        return (*sources, self.layer, self.kind, self.fixed, self.limits)
+        # An image over time changes with the frames that it was computed from.
+        return (*sources, self.layer, self.source.layer(self.layer).over_frames, self.kind, self.fixed, self.limits)
 
 
 class Scales:

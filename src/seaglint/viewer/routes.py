@@ -1,50 +1,47 @@
-"""Requests of the page of sequences: its script, pictures, probes, traces, analyses and downloads.
+"""Requests of the page of sequences: its script, pictures, probes, traces, regions, analyses and downloads.
 
-Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path. Long analyses run in one
-thread each, with progress, and stop when browsers cease to request their progress.
+Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path. Long computations are
+:class:`~seaglint.viewer.jobs.PageJob`.
 """
 
 from __future__ import annotations
 
 import base64
 import io
-import itertools
 import json
 import math
 import tempfile
-import threading
-import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Awaitable, Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, get_args
 
 import numpy as np
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
 from seaglint.base.brightness import Scale
 from seaglint.base.errors import DataError, SeaglintError
-from seaglint.base.free_form import JsonObject
+from seaglint.base.free_form import JsonObject, number
 from seaglint.base.optional import optional
 from seaglint.clutter.filters import NAMES
 from seaglint.formats.tables.table_text import csv_text
 from seaglint.plot.video import Colours, palette, video_available, write_video
 from seaglint.version import __version__
-from seaglint.viewer.dragged_region import Rectangle, exceedances, quick, whole
-from seaglint.viewer.frame_source import GoneError, ViewerSource
+from seaglint.viewer.dragged_region import exceedances, quick, whole
+from seaglint.viewer.frame_source import OVER_TIME, GoneError, ViewerSource
+from seaglint.viewer.jobs import Jobs
 from seaglint.viewer.library import Library
+from seaglint.viewer.over_time import courses, profile, project, statistics
 from seaglint.viewer.picture import KINDS, Scales, Show, tag
+from seaglint.viewer.regions import MOST_REGIONS, PictureRegion, of_file, to_csv, to_imagej
 
 if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
 
 Answer = Callable[[Request], Response]
-
-PATIENCE: Final = 15.0  #: Time without a request after which a job is stopped, since its browser has been closed [s].
-
-MOST: Final = 4  #: Largest number of jobs that run at the same time.
+AnswerToBody = Callable[[Request, bytes], Response]
 
 MOST_CLIP: Final = 400_000_000  #: Largest size of a clip's frames in memory [bytes].
 
@@ -57,85 +54,6 @@ _COLOURS: Final[tuple[Colours, ...]] = get_args(Colours)
 _TICKS: Final = 5
 # Browsers may store answers, but must check whether they are still valid: a sequence may be growing.
 _FRESH: Final = {"cache-control": "no-cache"}
-
-
-class _StoppedError(Exception):
-    """Error that ends a job when nobody waits for its result."""
-
-
-@dataclass
-class AnalysisJob:
-    """Analysis in progress: numbers of steps, and finally its result or the text of its error."""
-
-    done: int = 0
-    total: int = 1
-    result: JsonObject | None = None
-    error: str | None = None
-    requested: float = field(default_factory=time.monotonic)
-    finished: threading.Event = field(default_factory=threading.Event)
-
-    def progress(self, done: int, total: int) -> None:
-        """Record the progress; raise where nobody waits for the result."""
-        self.done, self.total = done, max(total, 1)
-        if time.monotonic() - self.requested > PATIENCE:
-            raise _StoppedError
-
-
-class Jobs:
-    """Running jobs, and the latest finished jobs."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._jobs: dict[int, AnalysisJob] = {}
-        self._numbers = itertools.count()
-
-    def start(self, work: Callable[[Progress], JsonObject]) -> int:
-        """Start ``work(progress)`` in a thread and return its number.
-
-        Raises
-        ------
-        DataError
-            Too many jobs run already.
-        """
-        with self._lock:
-            if sum(not job.finished.is_set() for job in self._jobs.values()) >= MOST:
-                raise DataError(f"{MOST} analyses run already; wait for one of them")
-            # Finished jobs are discarded from the oldest on; at most MOST run, so that one of 4 MOST is always finished.
-            while len(self._jobs) >= 4 * MOST:
-                self._jobs.pop(next(number for number, job in self._jobs.items() if job.finished.is_set()))
-            number, job = next(self._numbers), AnalysisJob()
-            self._jobs[number] = job
-
-        def run() -> None:
-            try:
-                job.result = work(job.progress)
-            except _StoppedError:
-                job.error = "stopped: nobody waited for it"
-            except SeaglintError as error:
-                job.error = str(error)
-            # The page reports the defect, and the thread's traceback is printed.
-            except Exception as error:
-                job.error = f"failed: {type(error).__name__}: {error}"
-                raise
-            finally:
-                job.finished.set()
-
-        threading.Thread(target=run, name=f"analysis {number}", daemon=True).start()
-        return number
-
-    def get(self, number: int) -> AnalysisJob:
-        """Return the job of a number, and restart its time-out.
-
-        Raises
-        ------
-        DataError
-            The number is not the number of a job.
-        """
-        job = self._jobs.get(number)
-        if job is None:
-            raise DataError(f"analysis {number}: is not known any more; start it again")
-        job.requested = time.monotonic()
-        return job
 
 
 def probe(source: ViewerSource, index: int, row: int, column: int) -> JsonObject:
@@ -192,17 +110,12 @@ def trace(source: ViewerSource, row: int, column: int, around: int, layer: str |
         The pixel lies outside the image, or the layer does not exist.
     """
     require_pixel(source, row, column)
-    opened, chosen = source.opened, source.layer(layer)
+    chosen = source.layer(layer)
     frames, values = source.trace(row, column, around, layer, spread=spread)
-    times = None
-    if opened.times is not None:
-        times = opened.times[frames].tolist()
-    elif opened.frame_rate is not None:
-        times = (frames / opened.frame_rate).tolist()
     return {
         "frames": frames.tolist(),
-        "times_s": times,
-        "values": [value if np.isfinite(value) else None for value in values.tolist()],
+        "times_s": source.times(frames),
+        "values": [number(value) for value in values.tolist()],
         "label": chosen.label,
         "unit": chosen.unit,
         "whole": bool(frames.size == source.done().size),
@@ -322,12 +235,10 @@ class Query:
             raise DataError(f"{name} = {text[:40]!r}: give a finite number")
         return value
 
-    def rectangle(self) -> Rectangle | None:
+    def region(self) -> PictureRegion | None:
         """Return a region, or None if the request has none."""
-        if self.word("width") is None:
-            return None
-        # Bounded: a region may reach beyond the image, but not beyond what array indices hold.
-        return Rectangle(*(min(max(self.integer(name), -(10**9)), 10**9) for name in ("left", "top", "width", "height")))
+        text = self.word("region")
+        return None if text is None else PictureRegion.of_text(text)
 
     def colours(self) -> Colours:
         """Return the colours of the brightness scale."""
@@ -336,6 +247,23 @@ class Query:
             if known == requested:
                 return known
         raise DataError(f"colours '{requested[:40]}': allowed are {', '.join(_COLOURS)}")
+
+
+def regions_of(body: bytes) -> list[PictureRegion]:
+    """Return the regions of a request's body: ``{"regions": [["ellipse 10 8 36 33", "name"], ...]}``.
+
+    Raises
+    ------
+    DataError
+        The body has another form, or a region is none.
+    """
+    try:
+        given = [(str(text), str(name)) for text, name in json.loads(body)["regions"]]
+    except (ValueError, TypeError, KeyError):
+        raise DataError('regions of a request: give {"regions": [["rectangle 10 8 36 33", "name"]]}') from None
+    if not 1 <= len(given) <= MOST_REGIONS:
+        raise DataError(f"{len(given)} regions: give 1 to {MOST_REGIONS}")
+    return [PictureRegion.of_text(text, name[:40]) for text, name in given]
 
 
 def routes(library: Library, links: list[dict[str, str]]) -> list[Route]:
@@ -353,6 +281,16 @@ def _refusals_as_json(answer: Answer) -> Answer:
             return _json({"error": str(error), "gone": True}, 410)
         except SeaglintError as error:
             return _json({"error": str(error)}, 409)
+
+    return answered
+
+
+def _with_body(answer: AnswerToBody) -> Callable[[Request], Awaitable[Response]]:
+    """Return a handler that reads the body of a request before it answers in a thread."""
+
+    async def answered(request: Request) -> Response:
+        body = await request.body()
+        return await run_in_threadpool(_refusals_as_json(lambda request: answer(request, body)), request)
 
     return answered
 
@@ -379,12 +317,24 @@ class _Pages:
             (f"/api/truth/{frame}", self.truth, "GET"),
             (f"/api/region/{frame}", self.region, "GET"),
             (f"/api/exceedances/{frame}", self.exceedances, "GET"),
+            (f"/api/profile/{frame}", self.profile, "GET"),
             (f"/api/analysis/{frame}", self.analyse, "POST"),
-            ("/api/analysis/{job:int}", self.analysis, "GET"),
+            ("/api/project/{source:int}", self.project, "POST"),
+            ("/api/job/{job:int}", self.job, "GET"),
+            ("/api/job/{job:int}", self.cancel, "DELETE"),
             (f"/api/export/frame/{frame}/{{kind}}", self.export_frame, "GET"),
             ("/api/export/clip/{source:int}", self.export_clip, "GET"),
         ]
-        return [Route(path, _refusals_as_json(answer), methods=[method]) for path, answer, method in table_of]
+        with_body: list[tuple[str, AnswerToBody]] = [
+            (f"/api/regions/{frame}", self.regions),
+            ("/api/courses/{source:int}", self.courses),
+            ("/api/save/regions/{kind}", self.save_regions),
+            ("/api/load/regions", self.load_regions),
+        ]
+        return [
+            *(Route(path, _refusals_as_json(answer), methods=[method]) for path, answer, method in table_of),
+            *(Route(path, _with_body(answer), methods=["POST"]) for path, answer in with_body),
+        ]
 
     def _of(self, request: Request) -> ViewerSource:
         return self._library.source(int(request.path_params["source"]))
@@ -432,6 +382,7 @@ class _Pages:
             "colours": tables,
             "scalings": KINDS,
             "filters": NAMES,
+            "over_time": OVER_TIME,
             "video": video_available(),
         }
         return _json(answer)
@@ -456,7 +407,10 @@ class _Pages:
             "start_s": None if opened.times is None or not opened.times.size else float(opened.times[0]),
             "azimuth_deg": directions[0].tolist() if upright and directions is not None else None,
             "elevation_deg": directions[1].tolist() if upright and directions is not None else None,
-            "layers": [{"name": layer.name, "label": layer.label, "unit": layer.unit} for layer in opened.layers.values()],
+            "layers": [
+                {"name": layer.name, "label": layer.label, "unit": layer.unit, "over_time": layer.over_frames is not None}
+                for layer in opened.layers.values()
+            ],
             "truth": opened.boxes is not None,
             "notes": list(opened.notes),
         }
@@ -470,7 +424,9 @@ class _Pages:
         etag = tag(show, index, scaling)
         # Numbers for the colour bar: the page does not know the form of the scale.
         shares = np.linspace(0.0, 1.0, _TICKS)
-        scale = {"shares": shares.tolist(), "values": scaling.value(shares).tolist(), "unit": show.source.layer(show.layer).unit}
+        chosen = show.source.layer(show.layer)
+        unit = chosen.unit if show.minus is None else chosen.spread_unit
+        scale = {"shares": shares.tolist(), "values": scaling.value(shares).tolist(), "unit": unit}
         headers = {**_FRESH, "etag": etag, "seaglint-scale": json.dumps(scale)}
         if request.headers.get("if-none-match") == etag:
             return Response(status_code=304, headers=headers)
@@ -496,37 +452,85 @@ class _Pages:
     def region(self, request: Request) -> Response:
         """Return histogram, moments and fits of a region of one frame."""
         query = Query(request)
-        return _json(quick(self._of(request), _index(request), self._rectangle(query), query.word("layer")))
+        return _json(quick(self._of(request), _index(request), self._region(query), query.word("layer")))
 
     @staticmethod
-    def _rectangle(query: Query) -> Rectangle:
-        rectangle = query.rectangle()
-        if rectangle is None:
+    def _region(query: Query) -> PictureRegion:
+        region = query.region()
+        if region is None:
             raise DataError("no region is given; drag one on the picture")
-        return rectangle
+        return region
+
+    def regions(self, request: Request, body: bytes) -> Response:
+        """Return the statistics of several regions of one frame."""
+        layer = self._of(request).layer(Query(request).word("layer"))
+        rows = statistics(self._of(request), _index(request), regions_of(body), layer.name)
+        return _json({"frame": _index(request), "unit": layer.unit, "spread_unit": layer.spread_unit, "regions": rows})
+
+    def courses(self, request: Request, body: bytes) -> Response:
+        """Start the computation of the mean of regions in all frames."""
+        source, regions, layer = self._of(request), regions_of(body), Query(request).word("layer")
+        return self._started(lambda progress: courses(source, regions, layer, progress))
+
+    def project(self, request: Request) -> Response:
+        """Start the computation of mean, deviation and maximum over time."""
+        source, layer = self._of(request), Query(request).word("layer")
+        return self._started(lambda progress: project(source, layer, progress))
+
+    def _started(self, work: Callable[[Progress], JsonObject]) -> Response:
+        return _json({"job": self._jobs.start(work)}, 202)
+
+    def save_regions(self, request: Request, body: bytes) -> Response:
+        """Return regions as a file: CSV, or an archive of ImageJ."""
+        regions, kind = regions_of(body), str(request.path_params["kind"])
+        if kind == "csv":
+            return _download(to_csv(regions).encode(), "regions.csv", "text/csv")
+        if kind == "imagej":
+            return _download(to_imagej(regions), "RoiSet.zip", "application/zip")
+        raise DataError(f"regions as {kind[:20]}: allowed are csv, imagej")
+
+    def load_regions(self, request: Request, body: bytes) -> Response:
+        """Return the regions of an uploaded file."""
+        return _json({"regions": [[region.text, region.name] for region in of_file(body)]})
+
+    def profile(self, request: Request) -> Response:
+        """Return the values along a line."""
+        query, source = Query(request), self._of(request)
+        chosen = source.layer(query.word("layer"))
+        x0, y0, x1, y1 = (query.real(name) for name in ("column", "row", "to_column", "to_row"))
+        distance, columns, rows, values = profile(source.read(_index(request), chosen.name), (x0, y0, x1, y1))
+        answer = {
+            "distance_px": distance.round(6).tolist(),
+            "columns": columns.tolist(),
+            "rows": rows.tolist(),
+            "values": [number(value) for value in values.tolist()],
+            "label": chosen.label,
+            "unit": chosen.unit,
+        }
+        return _json(answer)
 
     def exceedances(self, request: Request) -> Response:
         """Return the number of pixels above a threshold, and their mask as bits, row by row."""
         query = Query(request)
         result, above = exceedances(
-            self._of(request),
-            _index(request),
-            query.real("sigma"),
-            query.word("filter") or NAMES[0],
-            query.word("layer"),
-            query.rectangle(),
+            self._of(request), _index(request), query.real("sigma"), query.word("filter") or NAMES[0], query.word("layer"), query.region()
         )
         return _json({**result, "mask": base64.b64encode(np.packbits(above).tobytes()).decode()})
 
     def analyse(self, request: Request) -> Response:
         """Start the whole analysis of a region."""
         query, source = Query(request), self._of(request)
-        where, layer = self._rectangle(query), query.word("layer")
+        where, layer = self._region(query), query.word("layer")
         only = None if query.word("all") == "1" else _index(request)
-        return _json({"job": self._jobs.start(lambda progress: whole(source, where, layer, only, progress))}, 202)
+        return self._started(lambda progress: whole(source, where, layer, only, progress))
 
-    def analysis(self, request: Request) -> Response:
-        """Return the progress of an analysis, and its result as JSON or CSV once it exists."""
+    def cancel(self, request: Request) -> Response:
+        """Cancel a job; it ends at its next report of progress."""
+        self._jobs.get(int(request.path_params["job"])).cancelled = True
+        return _json({})
+
+    def job(self, request: Request) -> Response:
+        """Return the progress of a job, and its result once it exists; the result of an analysis also as JSON or CSV to save."""
         job = self._jobs.get(int(request.path_params["job"]))
         query = Query(request)
         if job.error is not None:

@@ -1,8 +1,11 @@
-// The page of sequences: what is shown, playing it, and what pointers and keys do.
+// The page of sequences: what is shown, playing it, and what buttons and keys do.
+import { bindLink, fragment, restore } from "./link.js";
 import { Pane, camera, diverging, tableOf } from "./pane.js";
-import { bindSide, files, follow, probe, region, retrace, threshold } from "./side.js";
+import { TOOLS, choose, pointers } from "./pointers.js";
+import { bindRegions, forget, recourse, region } from "./regions.js";
+import { bindSide, files, follow, plots, probe, profile, retrace, threshold } from "./side.js";
 import { isGone, layerText, say, showing, state } from "./state.js";
-import { $, ask, bytes, digits, json, latest, short } from "./tools.js";
+import { $, ask, bytes, digits, jobDone, json, latest, rate as rateText, reading, short, takeInk, within } from "./tools.js";
 
 const DIFFERENCE = diverging();
 const USUAL_RATE = 25;
@@ -15,12 +18,14 @@ const last = () => Math.min(state.meta.a.last ?? 0, state.b === null ? Infinity 
 
 /** Draw all panes again from what they hold. */
 function redraw() {
-  const region = state.region, opacity = Number($("opacity").value);
+  const { regions, chosen, draft, line, pointer, pinned } = state, opacity = Number($("opacity").value);
   for (const [name, pane] of Object.entries(state.panes)) {
     const meta = name === "b" ? state.meta.b : state.meta.a;
     const title = name === "d" ? "A − B" : `${state.b === null ? "" : name.toUpperCase() + "  "}${meta.name}${meta.title ? ": " + meta.title : ""}`;
     const layer = name === "d" ? `difference of ${layerText()}` : layerText();
-    pane.draw({ title, layer, region, pointer: state.pointer, pinned: state.pinned, opacity });
+    // Over a whole picture a finger scrolls the page.
+    pane.canvas.style.touchAction = camera.zoom === 1 && state.tool === "pan" ? "pan-y" : "none";
+    pane.draw({ title, layer, regions, chosen, draft, line, pointer, pinned, opacity });
   }
 }
 
@@ -73,7 +78,7 @@ const goTo = latest(async (frame) => {
 });
 
 /** What follows the frame. */
-function aside() { probe(); retrace(); if (state.region) region(); files(); }
+function aside() { probe(); retrace(); recourse(); if (state.line) profile(); if (state.regions.length) region(); files(); }
 
 function readouts() {
   const { frames, done, start_s: start } = state.meta.a;
@@ -117,9 +122,7 @@ async function play() {
       continue;
     }
     try { await show(due); } catch (error) { say(error); break; }
-    probe();
-    retrace();
-    if (state.region) region();
+    aside();
     await new Promise((go) => requestAnimationFrame(go));
   }
   pause();
@@ -141,33 +144,98 @@ function options(select, list, keep = select.value) {
   if (list.some(([value]) => value === keep)) select.value = keep;
 }
 
-/** Open what is chosen as A and B. */
-async function open() {
+/** Open what is chosen as A and B; true where something is shown. */
+async function open(frame = state.frame) {
   pause();
   const [a, b] = ["source-a", "source-b"].map((id) => ($(id).value === "" ? null : Number($(id).value)));
-  if (a === null) { say(new Error("choose a sequence, a map or a recording")); return; }
+  if (a === null) { say(new Error("choose a sequence, a map or a recording")); return false; }
   try {
     const metaA = await json(`/api/source/${a}`), metaB = b === null ? null : await json(`/api/source/${b}`);
-    Object.assign(state, { a, b, meta: { a: metaA, b: metaB }, region: null, pinned: null, pointer: null, probed: null });
+    Object.assign(state, { a, b, meta: { a: metaA, b: metaB }, frame, regions: [], chosen: -1, draft: [], line: null, pinned: null, pointer: null, probed: null });
     $("difference-box").hidden = b === null;
     if (b === null) $("difference").checked = false;
     arrange();
-    const layers = metaA.layers.filter((layer) => !metaB || metaB.layers.some((other) => other.name === layer.name));
-    const text = (layer) => [layer.name, layer.unit ? `${short(layer.label)} [${layer.unit}]` : short(layer.label)];
-    if (!layers.length) throw new Error(`${metaA.name} and ${metaB.name} have no layer in common; choose two of a kind`);
-    options($("layer"), layers.map(text));
-    options($("overlay"), [["", "nothing"], ...layers.map(text)]);
+    layers();
     $("truth-box").hidden = !metaA.truth;
     const [rateA, rateB] = [metaA, metaB].map((meta) => meta && meta.frame_rate_hz);
     const apart = rateA && rateB && Math.abs(rateA - rateB) > 1e-3 * rateA ? [`A at ${digits(rateA, 4)} Hz, B at ${digits(rateB, 4)} Hz: beside each other by the frame's number`] : [];
     $("title").textContent = [...metaA.notes, ...apart].join("; ");
     limits();
+    forget();
     region();
+    profile();
     follow();
-    if (metaA.first === null) { say(new Error(`${metaA.name}: no frame is written yet; it is shown as soon as there is one`)); return; }
+    if (metaA.first === null) { say(new Error(`${metaA.name}: no frame is written yet; it is shown as soon as there is one`)); return true; }
     say(null);
-    goTo(state.frame);
-  } catch (error) { say(error); }
+    await goTo(state.frame);
+    return true;
+  } catch (error) { say(error); return false; }
+}
+
+/** Layers that both sources have. */
+function layers() {
+  const { a, b } = state.meta;
+  const common = a.layers.filter((layer) => !b || b.layers.some((other) => other.name === layer.name));
+  const text = (layer) => [layer.name, layer.unit ? `${short(layer.label)} [${layer.unit}]` : short(layer.label)];
+  if (!common.length) throw new Error(`${a.name} and ${b.name} have no layer in common; choose two of a kind`);
+  options($("layer"), common.map(text));
+  options($("overlay"), [["", "nothing"], ...common.map(text)]);
+  told.layer = $("layer").value;
+}
+
+let cancel = null;
+
+/** Mean, deviation and maximum over time of a layer; they become layers. */
+async function overTime(layer = $("layer").value) {
+  $("over-time").disabled = true;
+  try {
+    const progress = (share, stop) => { cancel = stop; $("over-time-told").textContent = `${share} %`; $("over-time-cancel").hidden = false; };
+    let made = [];
+    for (const [name, id] of [["a", state.a], ["b", state.b]]) {
+      if (id === null) continue;
+      made = (await jobDone(`/api/project/${id}?layer=${encodeURIComponent(layer)}`, progress)).result.layers;
+      state.meta[name] = await json(`/api/source/${id}`);
+      if (state.panes[name]) state.panes[name].meta = state.meta[name];
+    }
+    layers();
+    $("layer").value = made[0];
+    changeLayer();
+    $("over-time-told").textContent = "shown as layers";
+  } catch (error) { $("over-time-told").textContent = error.message; }
+  $("over-time").disabled = false;
+  $("over-time-cancel").hidden = true;
+}
+
+const told = { layer: "" }; // the layer that the limits belong to
+
+/** Another layer: limits in kelvin become limits in degrees, others are those of its values. */
+function changeLayer() {
+  const now = $("layer").value, shift = now === `${told.layer}_celsius` ? -273.15 : told.layer === `${now}_celsius` ? 273.15 : null;
+  if ($("scaling").value === "limits" && now !== told.layer) {
+    if (shift === null) { $("scaling").value = "percentile"; manual(); }
+    else for (const id of ["low", "high"]) $(id).value = Number((Number($(id).value) + shift).toFixed(6));
+  }
+  if (now !== told.layer) $("low").value = $("scaling").value === "limits" ? $("low").value : "";
+  told.layer = now;
+  forget();
+  goTo(state.frame);
+  follow();
+}
+
+/** Fields of limits, where they are chosen; filled with the ends of the scale shown. */
+function manual() {
+  const on = $("scaling").value === "limits";
+  document.querySelectorAll(".limits").forEach((box) => { box.hidden = !on; });
+  if (!on || $("low").value !== "" || !state.panes.a.scale) return;
+  const { values } = state.panes.a.scale;
+  setLimits([values[0], values[values.length - 1]]);
+}
+
+/** Limits as numbers of the digits that their distance deserves. */
+function setLimits([low, high]) {
+  const decimals = Math.min(Math.max(3 - Math.floor(Math.log10(high - low || 1)), 0), 12);
+  $("low").value = Number(low.toFixed(decimals));
+  $("high").value = Number(high.toFixed(decimals));
 }
 
 /** Panes for what is compared. */
@@ -175,7 +243,7 @@ function arrange() {
   const wanted = names();
   for (const name of Object.keys(state.panes)) if (!wanted.includes(name)) { state.panes[name].canvas.remove(); delete state.panes[name]; }
   for (const name of wanted) {
-    if (!state.panes[name]) { state.panes[name] = new Pane(name, $("panes")); pointers(name, state.panes[name]); }
+    if (!state.panes[name]) { state.panes[name] = new Pane(name, $("panes")); pointers(name, state.panes[name], page); }
     state.panes[name].meta = name === "b" ? state.meta.b : state.meta.a;
     state.panes[name].levels = null;
   }
@@ -202,7 +270,7 @@ async function look() {
       const other = now.rows !== before.rows || now.columns !== before.columns || now.layers.length !== before.layers.length;
       state.meta[name] = now;
       if (state.panes[name]) state.panes[name].meta = now;
-      if (other || isGone() || (before.first === null && now.first !== null)) { await open(); return; }
+      if (other || isGone() || (before.first === null && now.first !== null)) { await restore(fragment(), page); return; } // regions stay
     }
     const atEnd = Number($("scrub").max);
     if (last() !== atEnd) limits();
@@ -210,73 +278,44 @@ async function look() {
   } catch (error) { say(error); pause(); }
 }
 
-/** Pointer and wheel on one pane. */
-function pointers(name, pane) {
-  const { canvas } = pane;
-  let began = null;
-  const place = (event) => { const box = canvas.getBoundingClientRect(); return [event.clientX - box.left, event.clientY - box.top]; };
-  const pixel = (x, y) => {
-    const [column, row] = pane.at(x, y).map(Math.floor);
-    return pane.contains(x, y) && column >= 0 && row >= 0 && column < pane.meta.columns && row < pane.meta.rows ? [column, row] : null;
-  };
-  canvas.addEventListener("pointerdown", (event) => {
-    if (event.button !== 0 || !pane.meta) return;
-    state.active = name;
-    const [x, y] = place(event);
-    began = { x, y, moved: false, region: event.shiftKey || $("tool-region").getAttribute("aria-pressed") === "true", camera: { ...camera }, at: pane.at(x, y) };
-    canvas.setPointerCapture(event.pointerId);
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    if (!pane.meta) return;
-    const [x, y] = place(event);
-    state.pointer = pixel(x, y);
-    if (began) {
-      if (Math.hypot(x - began.x, y - began.y) > 3) began.moved = true;
-      if (began.moved && began.region) mark(pane, began.at, pane.at(x, y));
-      else if (began.moved) {
-        const { size } = pane.place(), { columns, rows } = pane.meta;
-        camera.x = began.camera.x - (x - began.x) / (size * columns);
-        camera.y = began.camera.y - (y - began.y) / (size * rows);
-      }
-    }
-    redraw();
-    probe();
-  });
-  canvas.addEventListener("pointerup", (event) => {
-    if (!began) return;
-    const was = began, [x, y] = place(event);
-    began = null;
-    if (was.moved && was.region) { region(); again(); }
-    else if (!was.moved) { state.pinned = pixel(x, y); follow(); }
-    files();
-    redraw();
-  });
-  canvas.addEventListener("pointercancel", () => { began = null; });
-  canvas.addEventListener("pointerleave", () => { state.pointer = null; redraw(); });
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    const [x, y] = place(event), before = pane.at(x, y);
-    camera.zoom = Math.min(Math.max(camera.zoom * Math.exp(-event.deltaY / 400), 1), 200);
-    const after = pane.at(x, y);
-    camera.x += (before[0] - after[0]) / pane.meta.columns;
-    camera.y += (before[1] - after[1]) / pane.meta.rows;
-    if (camera.zoom === 1) camera.x = camera.y = 0.5;
-    redraw();
-  }, { passive: false });
-}
-
-function mark(pane, [x0, y0], [x1, y1]) {
-  const { columns, rows } = pane.meta, within = (v, most) => Math.min(Math.max(v, 0), most);
-  const left = Math.floor(within(Math.min(x0, x1), columns - 1)), top = Math.floor(within(Math.min(y0, y1), rows - 1));
-  const right = Math.ceil(within(Math.max(x0, x1), columns)), bottom = Math.ceil(within(Math.max(y0, y1), rows));
-  state.region = { left, top, width: Math.max(right - left, 1), height: Math.max(bottom - top, 1) };
-}
-
 function zoom(by) { camera.zoom = by === 0 ? 1 : Math.min(Math.max(camera.zoom * by, 1), 200); if (camera.zoom === 1) camera.x = camera.y = 0.5; redraw(); }
 
-function tool(wanted) { for (const name of ["pan", "region"]) $(`tool-${name}`).setAttribute("aria-pressed", String(name === wanted)); }
+/** Regions, picture and threshold after a change of what is marked. */
+const recount = () => { again(); files(); };
 
-const again = bindSide(redraw);
+const again = bindSide(redraw, (frame) => { pause(); goTo(frame); });
+const regionsChanged = bindRegions(recount, (frame) => { pause(); goTo(frame); });
+
+/** What other parts of the page call. */
+const page = {
+  open, overTime, redraw, probe, follow, profile, files,
+  regions: regionsChanged,
+  limits(ends) { if ($("scaling").value !== "limits") { $("scaling").value = "limits"; $("low").value = ends[0]; manual(); } setLimits(ends); goTo(state.frame); },
+  async settle() {
+    told.layer = $("layer").value;
+    $("opacity-box").hidden = $("overlay").value === "";
+    $("threshold-value").textContent = `${Number($("threshold").value).toFixed(2)} σ`;
+    manual();
+    arrange();
+    follow();
+    regionsChanged();
+    profile();
+    await goTo(state.frame);
+  },
+};
+
+/** The theme of the system or the one chosen; canvases take its colours. */
+function theme() {
+  if ($("theme").value) document.documentElement.dataset.theme = $("theme").value; else delete document.documentElement.dataset.theme;
+  try { localStorage.setItem("seaglint-theme", $("theme").value); } catch { /* storage may be forbidden */ }
+  takeInk();
+  redraw();
+  retrace();
+  recourse();
+  if (state.regions.length) region();
+  if (state.line) profile();
+  if ($("threshold-on").checked) again();
+}
 
 function bind() {
   $("play").addEventListener("click", () => (state.playing ? pause() : play()));
@@ -284,32 +323,28 @@ function bind() {
   $("step-forward").addEventListener("click", () => step(1));
   $("scrub").addEventListener("input", () => { pause(); goTo(Number($("scrub").value)); });
   $("speed").addEventListener("change", () => { if (state.playing) { pause(); setTimeout(play, 50); } });
-  for (const id of ["source-a", "source-b"]) $(id).addEventListener("change", open);
+  for (const id of ["source-a", "source-b"]) $(id).addEventListener("change", () => open());
   $("difference").addEventListener("change", () => { arrange(); goTo(state.frame); });
-  for (const id of ["layer", "fixed", "overlay", "truth", "low", "high"]) $(id).addEventListener("change", () => { $("opacity-box").hidden = $("overlay").value === ""; goTo(state.frame); if (id === "layer") follow(); });
-  $("scaling").addEventListener("change", () => {
-    const manual = $("scaling").value === "limits";
-    document.querySelectorAll(".limits").forEach((box) => { box.hidden = !manual; });
-    if (manual && $("low").value === "" && state.panes.a.scale) {
-      const { values } = state.panes.a.scale;
-      $("low").value = Number(values[0].toPrecision(5));
-      $("high").value = Number(values[values.length - 1].toPrecision(5));
-    }
-    goTo(state.frame);
-  });
+  for (const id of ["fixed", "overlay", "truth", "low", "high"]) $(id).addEventListener("change", () => { $("opacity-box").hidden = $("overlay").value === ""; goTo(state.frame); });
+  $("layer").addEventListener("change", changeLayer);
+  $("over-time").addEventListener("click", () => overTime());
+  $("over-time-cancel").addEventListener("click", () => cancel && cancel());
+  $("theme").addEventListener("change", theme);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", theme);
+  $("scaling").addEventListener("change", () => { manual(); goTo(state.frame); });
   $("colours").addEventListener("change", () => { for (const [name, pane] of Object.entries(state.panes)) if (name !== "d") pane.recolour(state.tables[$("colours").value]); files(); redraw(); });
   $("opacity").addEventListener("input", redraw);
-  $("tool-pan").addEventListener("click", () => tool("pan"));
-  $("tool-region").addEventListener("click", () => tool("region"));
+  for (const name of Object.keys(TOOLS)) $(`tool-${name}`).addEventListener("click", () => { choose(name); redraw(); });
   $("zoom-in").addEventListener("click", () => zoom(1.5));
   $("zoom-out").addEventListener("click", () => zoom(1 / 1.5));
   $("zoom-reset").addEventListener("click", () => zoom(0));
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || ["INPUT", "SELECT", "TEXTAREA"].includes(event.target.tagName)) return;
-    const known = { " ": () => (state.playing ? pause() : play()), ArrowLeft: () => step(-1), ArrowRight: () => step(1), Home: () => goTo(first()), End: () => goTo(last()), "+": () => zoom(1.5), "-": () => zoom(1 / 1.5), 0: () => zoom(0) };
+    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || ["INPUT", "SELECT", "TEXTAREA"].includes(event.target.tagName)) return;
+    if (event.key === " " && ["BUTTON", "SUMMARY", "A"].includes(event.target.tagName)) return; // the space bar presses it
+    const known = { ",": () => step(-1), ".": () => step(1), " ": () => (state.playing ? pause() : play()), ArrowLeft: () => step(-1), ArrowRight: () => step(1), Home: () => goTo(first()), End: () => goTo(last()), "+": () => zoom(1.5), "-": () => zoom(1 / 1.5), 0: () => zoom(0) };
     if (known[event.key]) { event.preventDefault(); known[event.key](); }
   });
-  new ResizeObserver(() => { redraw(); retrace(); }).observe($("stage"));
+  new ResizeObserver(() => { redraw(); for (const plot of Object.values(plots)) plot.draw(); }).observe($("stage"));
   setInterval(() => { if (!state.playing || state.meta.a.done < state.meta.a.frames) look(); }, 2000);
 }
 
@@ -325,10 +360,15 @@ async function start() {
   $("export-clip").hidden = !session.video;
   $("pages").replaceChildren(...session.pages.map(({ path, title }) => { const link = document.createElement("a"); link.href = path; link.textContent = title; return link; }));
   document.title = session.given ? `${session.sources[0].name} - seaglint` : "seaglint";
+  try { $("theme").value = localStorage.getItem("seaglint-theme") || ""; } catch { /* storage may be forbidden */ }
+  theme();
   bind();
-  await open();
+  bindLink(page);
+  choose("pan");
+  if (location.hash.length > 1) await restore(location.hash.slice(1), page).catch(async (error) => { if (state.a === null) await open(); say(error); });
+  else await open();
 }
 
 // For tests: where a pixel is on the screen, and what is held.
-window.seaglint = { state, camera, screen: (name, column, row) => { const box = state.panes[name].canvas.getBoundingClientRect(), [x, y] = state.panes[name].screen(column, row); return [box.left + x, box.top + y]; }, digits };
+window.seaglint = { state, camera, screen: (name, column, row) => { const box = state.panes[name].canvas.getBoundingClientRect(), [x, y] = state.panes[name].screen(column, row); return [box.left + x, box.top + y]; }, digits, rate: rateText, reading, within, plots, fragment };
 start().catch(say);

@@ -1,5 +1,6 @@
 // One picture with its axes: levels become colours here, zoom and pan are shared by all panes.
-import { FONT, INK, digits, sized, ticks } from "./tools.js";
+import { colourOf } from "./state.js";
+import { FONT, INK, digits, fitted, sized, ticks, within } from "./tools.js";
 
 const MARGIN = { left: 52, right: 46, top: 40, bottom: 74 };
 const MISSING = [28, 44, 58];
@@ -12,7 +13,9 @@ export class Pane {
     this.name = name;
     this.canvas = document.createElement("canvas");
     this.canvas.dataset.testid = `canvas-${name}`;
-    this.canvas.setAttribute("role", "img");
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "application");
+    this.canvas.setAttribute("aria-roledescription", "picture; arrows move the probe, with Shift they mark a region");
     parent.append(this.canvas);
     this.picture = document.createElement("canvas");
     this.above = document.createElement("canvas");
@@ -22,6 +25,7 @@ export class Pane {
     this.boxes = [];
     this.hasAbove = this.hasMask = false;
     this.drawn = 0;
+    this.barPlace = null;
   }
 
   /** Colours of levels (one byte each) into one of the pane's images. */
@@ -73,7 +77,7 @@ export class Pane {
     return x >= MARGIN.left && y >= MARGIN.top && x < MARGIN.left + p.width && y < MARGIN.top + p.height;
   }
 
-  draw({ title, layer, region, pointer, pinned, opacity }) {
+  draw({ title, layer, regions, chosen, draft, line, pointer, pinned, opacity }) {
     const { pen, width, height } = sized(this.canvas);
     if (this.canvas.ariaLabel !== `${title}; ${layer}`) this.canvas.ariaLabel = `${title}; ${layer}`;
     pen.fillStyle = INK.ground;
@@ -94,12 +98,10 @@ export class Pane {
     if (this.hasAbove) { pen.globalAlpha = opacity; put(this.above); pen.globalAlpha = 1; }
     if (this.hasMask) put(this.mask);
     this.drawBoxes(pen, p);
-    if (region) {
-      pen.strokeStyle = INK.mark;
-      pen.lineWidth = 2;
-      pen.strokeRect(p.left + region.left * p.size, p.top + region.top * p.size, region.width * p.size, region.height * p.size);
-    }
-    if (pinned) this.cross(pen, p, pinned, INK.mark);
+    regions.forEach((one, i) => this.outline(pen, p, one, colourOf(i, INK.onPicture), i === chosen ? 2.4 : 1.4));
+    if (draft.length) this.path(pen, draft.map(([x, y]) => [p.left + x * p.size, p.top + y * p.size]), false, INK.onPicture[0], 2);
+    if (line) this.path(pen, [line.slice(0, 2), line.slice(2)].map(([x, y]) => [p.left + (x + 0.5) * p.size, p.top + (y + 0.5) * p.size]), false, INK.onPicture[1], 2);
+    if (pinned) this.cross(pen, p, pinned, INK.onPicture[0]);
     if (pointer) this.cross(pen, p, pointer, "#ffffff");
     pen.restore();
     this.axes(pen, p, frame);
@@ -107,14 +109,53 @@ export class Pane {
     pen.textBaseline = "alphabetic";
     pen.fillStyle = INK.text;
     pen.font = `600 ${FONT}`;
-    pen.fillText(title, MARGIN.left, 13, width - MARGIN.left - 8);
+    pen.fillText(fitted(pen, title, width - MARGIN.left - 8), MARGIN.left, 13);
     this.bar(pen, frame, layer, height);
     this.drawn++;
   }
 
+  /** A line that is seen on any ground: dark around bright. */
+  path(pen, points, closed, colour, width) {
+    pen.beginPath();
+    points.forEach(([x, y], i) => (i ? pen.lineTo(x, y) : pen.moveTo(x, y)));
+    if (closed) pen.closePath();
+    this.stroke(pen, colour, width);
+    if (closed) return;
+    pen.fillStyle = colour;
+    for (const [x, y] of points) pen.fillRect(x - 3, y - 3, 6, 6);
+  }
+
+  stroke(pen, colour, width) {
+    for (const [ink, wide] of [["#000000a0", width + 2], [colour, width]]) { pen.strokeStyle = ink; pen.lineWidth = wide; pen.stroke(); }
+  }
+
+  outline(pen, p, { shape, numbers, name }, colour, width) {
+    const x = (v) => p.left + v * p.size, y = (v) => p.top + v * p.size;
+    let label = [x(numbers[0]), y(numbers[1])];
+    if (shape === "polygon") {
+      const corners = numbers.flatMap((v, i) => (i % 2 ? [] : [[x(v), y(numbers[i + 1])]]));
+      this.path(pen, corners, true, colour, width);
+      label = corners.reduce((best, one) => (one[1] < best[1] ? one : best));
+    } else {
+      const [left, top, wide, high] = numbers;
+      pen.beginPath();
+      if (shape === "ellipse") pen.ellipse(x(left + wide / 2), y(top + high / 2), (wide / 2) * p.size, (high / 2) * p.size, 0, 0, 7);
+      else pen.rect(x(left), y(top), wide * p.size, high * p.size);
+      this.stroke(pen, colour, width);
+    }
+    pen.font = `600 ${FONT}`;
+    pen.textAlign = "left";
+    pen.textBaseline = "bottom";
+    pen.strokeStyle = "#000000c0";
+    pen.lineWidth = 3;
+    pen.strokeText(name, label[0] + 1, label[1] - 3);
+    pen.fillStyle = colour;
+    pen.fillText(name, label[0] + 1, label[1] - 3);
+  }
+
   drawBoxes(pen, p) {
     pen.font = FONT;
-    pen.strokeStyle = INK.second;
+    pen.strokeStyle = INK.onPicture[1];
     pen.lineWidth = 1.2;
     const corners = this.boxes.map((box) => [p.left + box.left * p.size, p.top + box.top * p.size]);
     this.boxes.forEach((box, i) => pen.strokeRect(corners[i][0] - 1.5, corners[i][1] - 1.5, box.width * p.size + 3, box.height * p.size + 3));
@@ -134,7 +175,7 @@ export class Pane {
     for (const { text, left, top, wide } of labels) {
       pen.fillStyle = "#000000b0";
       pen.fillRect(left, top, wide, 14);
-      pen.fillStyle = INK.second;
+      pen.fillStyle = INK.onPicture[1];
       pen.fillText(text, left + 2, top + 13);
     }
   }
@@ -177,7 +218,7 @@ export class Pane {
     else draw(pixel(...down, manyY), vertical(f.x, -4), write("right", "middle"));
     pen.textAlign = "right";
     pen.textBaseline = "top";
-    pen.fillText(azimuth ? "azimuth" : "column [px]", f.r, f.b + 20);
+    pen.fillText(azimuth ? "azimuth" : "column [px]", f.r, f.b + 18);
     pen.textAlign = "left";
     if (azimuth) { pen.textBaseline = "alphabetic"; pen.textAlign = "right"; pen.fillText("column [px]", f.r, f.y - 19); pen.fillText("row [px]", f.r + 44, f.y - 6); }
     pen.save();
@@ -189,27 +230,40 @@ export class Pane {
     pen.restore();
   }
 
-  /** Colours and the values that they stand for. */
+  /** The end of the scale that a place on the colour bar moves; both in its middle; null outside. */
+  barAt(x, y) {
+    const bar = this.barPlace;
+    if (!bar || y < bar.y - 3 || y > bar.y + 26 || x < bar.left - 12 || x > bar.left + bar.width + 12) return null;
+    const share = (x - bar.left) / bar.width;
+    return share < 1 / 3 ? "low" : share > 2 / 3 ? "high" : "both";
+  }
+
+  /** Colours and the values that they stand for; its ends can be dragged. */
   bar(pen, f, layer, height) {
     if (!this.scale) return;
-    const left = f.x, right = f.r, y = Math.min(f.b + 38, height - 32), { shares, values, unit } = this.scale;
+    // A picture of few columns is narrower than the labels of its bar.
+    const wide = Math.max(f.r - f.x, Math.min(200, this.canvas.clientWidth - MARGIN.left - MARGIN.right)), middle = (f.x + f.r) / 2;
+    const left = middle - wide / 2, right = middle + wide / 2, y = Math.min(f.b + 42, height - 30), { shares, values, unit } = this.scale;
     const strip = document.createElement("canvas");
     Pane.paint(strip, Uint8Array.from({ length: 255 }, (_, i) => i + 1), 255, 1, this.table);
+    this.barPlace = this.name === "d" ? null : { left, width: wide, y };
     pen.imageSmoothingEnabled = false;
     pen.drawImage(strip, left, y, right - left, 9);
     pen.fillStyle = INK.faint;
     pen.font = FONT;
     pen.textBaseline = "top";
-    const many = right - left < 260 ? 2 : 1;
+    for (const x of this.barPlace ? [left, right] : []) { pen.fillStyle = INK.text; pen.fillRect(x - 1.5, y - 3, 3, 15); }
+    pen.fillStyle = INK.faint;
+    const many = right - left < 260 ? 2 : 1, spread = (values[values.length - 1] - values[0]) / 3;
     values.forEach((value, i) => {
       if (i % many) return;
       pen.textAlign = i === 0 ? "left" : i === values.length - 1 ? "right" : "center";
-      pen.fillText(digits(value, 4), left + shares[i] * (right - left), y + 12);
+      pen.fillText(within(value, spread), left + shares[i] * (right - left), y + 14);
     });
     pen.textAlign = "left";
     pen.textBaseline = "bottom";
     pen.fillStyle = INK.text;
-    pen.fillText(unit ? `${layer} [${unit}]` : layer, left, y - 2, (right - left) - 60);
+    pen.fillText(fitted(pen, unit ? `${layer} [${unit}]` : layer, right - left), left, y - 4);
   }
 }
 

@@ -1,73 +1,199 @@
-// Small plots: a histogram with its fits, and a pixel in time.
-import { FONT, INK, digits, short, sized, ticks } from "./tools.js";
+// Plots off which values are read: by pointing, or with the arrow keys when a plot has the focus.
+import { FONT, INK, digits, fitted, power, rate, reading, sized, ticks } from "./tools.js";
 
-function framed(canvas, xs, ys, labels) {
-  const { pen, width, height } = sized(canvas);
-  const box = { x: 58, y: 8, r: width - 10, b: height - 30 };
-  pen.clearRect(0, 0, width, height);
-  pen.font = FONT;
-  pen.strokeStyle = INK.line;
-  pen.strokeRect(box.x - 0.5, box.y - 0.5, box.r - box.x + 1, box.b - box.y + 1);
-  const x = (v) => box.x + ((v - xs[0]) / (xs[1] - xs[0] || 1)) * (box.r - box.x);
-  const y = (v) => box.b - ((v - ys[0]) / (ys[1] - ys[0] || 1)) * (box.b - box.y);
-  pen.fillStyle = INK.faint;
-  pen.textAlign = "center";
-  pen.textBaseline = "top";
-  for (const v of ticks(...xs, (box.r - box.x) / 70)) pen.fillText(digits(v, 6), x(v), box.b + 3);
-  pen.textAlign = "right";
-  pen.textBaseline = "middle";
-  for (const v of ticks(...ys, (box.b - box.y) / 34)) { pen.fillText(digits(v, 6), box.x - 4, y(v)); }
-  pen.textBaseline = "bottom";
-  pen.fillText(labels.x, box.r, canvas.clientHeight - 1);
-  return { pen, box, x, y };
+const ROOM = { left: 54, right: 10, top: 8, bottom: 34 };
+
+/** Smallest and largest of the values that are numbers; null without any. */
+function ends(lists) {
+  let low = Infinity, high = -Infinity;
+  for (const list of lists) for (const v of list) if (v !== null) { if (v < low) low = v; if (v > high) high = v; }
+  return low <= high ? [low, high] : null;
 }
 
-function line(pen, x, y, xs, values, colour, width = 1.4) {
-  pen.strokeStyle = colour;
-  pen.lineWidth = width;
-  pen.beginPath();
-  let down = false;
-  values.forEach((v, i) => { if (v === null) { down = false; return; } if (down) pen.lineTo(x(xs[i]), y(v)); else pen.moveTo(x(xs[i]), y(v)); down = true; });
-  pen.stroke();
+/** Power of ten that is written beside the unit instead of at each label. */
+const exponent = (low, high) => { const size = Math.max(Math.abs(low), Math.abs(high)); return size > 0 && (size < 1e-2 || size >= 1e5) ? Math.floor(Math.log10(size)) : 0; };
+
+/** Labels of round numbers, with the digits that their step asks for. */
+function labelled(low, high, many, scale) {
+  let places = ticks(low, high, many);
+  for (let more = many; places.length < 3 && more < 4 * many; more *= 1.5) places = ticks(low, high, more);
+  if (places.length < 2) return (low === high ? [low] : places).map((v) => [v, digits(v / scale, 6)]);
+  const decimals = Math.max(0, -Math.floor(Math.log10(Math.abs(places[1] - places[0]) / scale) + 1e-9));
+  return places.map((v) => [v, (v / scale).toFixed(Math.min(decimals, 12))]);
 }
 
-/** Density of a region's values, with the gamma and Gaussian fits. */
-export function histogram(canvas, found) {
-  const { edges, density, at } = found.histogram;
-  const peak = 1.12 * Math.max(...density);
-  const { pen, box, x, y } = framed(canvas, [edges[0], edges[edges.length - 1]], [0, peak], { x: `${short(found.label)} [${found.unit || "1"}]` });
-  pen.save();
-  pen.beginPath();
-  pen.rect(box.x, box.y, box.r - box.x, box.b - box.y);
-  pen.clip();
-  pen.fillStyle = "#5d6b76";
-  density.forEach((v, i) => pen.fillRect(x(edges[i]), y(v), Math.max(x(edges[i + 1]) - x(edges[i]) - 0.5, 0.5), box.b - y(v)));
-  const drawn = [["gamma", INK.mark], ["gaussian", INK.second]].filter(([name]) => found.fits[name].density);
-  for (const [name, colour] of drawn) line(pen, x, y, at, found.fits[name].density, colour);
-  pen.restore();
-  pen.textAlign = "right";
-  pen.textBaseline = "top";
-  drawn.forEach(([name, colour], i) => { pen.fillStyle = colour; pen.fillText(name === "gamma" ? "gamma" : "Gaussian", box.r - 6, box.y + 4 + 14 * i); });
+export class Plot {
+  /**
+   * @param canvas - where it is drawn
+   * @param out - element that tells the values at the mark
+   * @param picked - called with the x of a click or of Enter
+   */
+  constructor(canvas, out, picked = null) {
+    Object.assign(this, { canvas, out, picked, data: null, at: null });
+    canvas.tabIndex = 0;
+    new ResizeObserver(() => this.draw()).observe(canvas);
+    canvas.addEventListener("pointermove", (event) => this.mark(this.nearest(event.clientX - canvas.getBoundingClientRect().left)));
+    canvas.addEventListener("pointerdown", (event) => this.mark(this.nearest(event.clientX - canvas.getBoundingClientRect().left)));
+    canvas.addEventListener("pointerleave", () => { if (document.activeElement !== canvas) this.mark(null); });
+    canvas.addEventListener("focus", () => { if (this.at === null) this.mark(this.start()); });
+    canvas.addEventListener("blur", () => this.mark(null));
+    canvas.addEventListener("click", () => this.pick());
+    canvas.addEventListener("keydown", (event) => {
+      if (!this.data || event.ctrlKey || event.metaKey || event.altKey) return;
+      const last = this.data.series[0].xs.length - 1, at = this.at ?? this.start();
+      const moved = { ArrowLeft: at - 1, ArrowRight: at + 1, PageUp: at - 10, PageDown: at + 10, Home: 0, End: last }[event.key];
+      if (moved !== undefined) this.mark(Math.min(Math.max(moved, 0), last));
+      else if (event.key === "Enter") this.pick();
+      else return;
+      event.preventDefault();
+    });
+  }
+
+  start() {
+    const { series, now } = this.data || { series: [] };
+    return series.length ? Math.max(series[0].xs.findIndex((x) => x >= (now ?? -Infinity)), 0) : null;
+  }
+
+  pick() { if (this.picked && this.at !== null) this.picked(this.data.series[0].xs[this.at], this.at); }
+
+  mark(at) { this.at = at; this.draw(); }
+
+  nearest(x) {
+    if (!this.data || !this.x || !this.data.series.length) return null;
+    const { xs } = this.data.series[0];
+    return xs.reduce((best, v, i) => (Math.abs(this.x(v) - x) < Math.abs(this.x(xs[best]) - x) ? i : best), 0);
+  }
+
+  /** What is drawn: series { name, colour, xs, values, bars, edges }, x and y { name, unit }, log, now, note. */
+  set(data) {
+    this.data = data;
+    if (this.at !== null && !(data && data.series.length && this.at < data.series[0].xs.length)) this.at = null;
+    this.draw();
+  }
+
+  draw() {
+    const { canvas, data } = this;
+    if (!data || !canvas.clientWidth) { this.out.textContent = ""; return; }
+    const { pen, width, height } = sized(canvas), { series, log } = data;
+    const box = { x: ROOM.left, y: ROOM.top, r: width - ROOM.right, b: height - ROOM.bottom };
+    pen.clearRect(0, 0, width, height);
+    pen.font = FONT;
+    const across = ends(series.map((s) => s.edges || s.xs));
+    // Bars set the range; the curves over them may leave it.
+    let up = ends((series[0]?.bars ? series.slice(0, 1) : series).map((s) => (log ? s.values.filter((v) => v > 0) : s.values)));
+    this.x = null;
+    this.tell(up);
+    if (!across || !up) { pen.fillStyle = INK.faint; pen.textAlign = "center"; pen.fillText("no values", width / 2, height / 2); return; }
+    if (across[0] === across[1]) { across[0] -= 0.5; across[1] += 0.5; }
+    if (log) up = [Math.log10(up[0]) - 0.1, Math.log10(up[1]) + 0.1];
+    else if (up[0] === up[1]) { const half = Math.abs(up[0]) * 1e-3 || 0.5; up = [up[0] - half, up[1] + half]; }
+    else { const room = 0.06 * (up[1] - up[0]); up = series[0].bars ? [0, up[1] + 2 * room] : [up[0] - room, up[1] + room]; }
+    const x = (v) => box.x + ((v - across[0]) / (across[1] - across[0])) * (box.r - box.x);
+    const y = (v) => box.b - (((log ? Math.log10(v) : v) - up[0]) / (up[1] - up[0])) * (box.b - box.y);
+    this.x = x;
+    this.axes(pen, box, x, across, up, y, width, height);
+    pen.save();
+    pen.beginPath();
+    pen.rect(box.x, box.y, box.r - box.x, box.b - box.y);
+    pen.clip();
+    for (const one of series) {
+      if (one.bars) { pen.fillStyle = one.colour; one.values.forEach((v, i) => pen.fillRect(x(one.edges[i]), y(v), Math.max(x(one.edges[i + 1]) - x(one.edges[i]) - 0.5, 0.5), box.b - y(v))); }
+      else Plot.line(pen, x, y, one, log);
+    }
+    if (data.now !== undefined && data.now !== null) Plot.upright(pen, x(data.now), box, INK.now, []);
+    if (this.at !== null) {
+      const place = series[0].xs[this.at];
+      Plot.upright(pen, x(place), box, INK.text, [3, 3]);
+      for (const one of series) {
+        const value = at(one, place);
+        if (value === null || one.bars || (log && !(value > 0))) continue;
+        pen.fillStyle = one.colour;
+        pen.beginPath();
+        pen.arc(x(place), y(value), 3.5, 0, 7);
+        pen.fill();
+      }
+    }
+    pen.restore();
+    if (series.length < 2) return;
+    pen.textAlign = "right";
+    pen.textBaseline = "top";
+    series.filter((one) => !one.bars).forEach((one, i) => { pen.fillStyle = one.colour; pen.fillText(one.name, box.r - 6, box.y + 3 + 13 * i); });
+  }
+
+  axes(pen, box, x, across, up, y, width, height) {
+    const { data } = this, scale = (range) => exponent(...range);
+    const text = ({ name, unit }, tens) => { const inside = [tens ? power(tens) : "", unit].filter(Boolean).join(" "); return inside ? `${name} [${inside}]` : name; };
+    const tensX = scale(across), tensY = data.log ? 0 : scale(up);
+    pen.strokeStyle = INK.line;
+    pen.lineWidth = 1;
+    pen.strokeRect(Math.round(box.x) - 0.5, Math.round(box.y) - 0.5, Math.round(box.r - box.x) + 1, Math.round(box.b - box.y) + 1);
+    pen.fillStyle = INK.faint;
+    pen.textAlign = "center";
+    pen.textBaseline = "top";
+    for (const [v, label] of labelled(...across, (box.r - box.x) / 75, 10 ** tensX)) { pen.fillRect(Math.round(x(v)), box.b, 1, 4); pen.fillText(label, Math.min(Math.max(x(v), box.x + 4), box.r - 8), box.b + 5); }
+    pen.textAlign = "right";
+    pen.textBaseline = "middle";
+    const many = Math.max((box.b - box.y) / 26, 3);
+    const rows = data.log
+      ? ticks(...up, Math.min(many, up[1] - up[0])).filter(Number.isInteger).map((v) => [10 ** v, power(v)])
+      : labelled(...up, many, 10 ** tensY);
+    for (const [v, label] of rows) { pen.fillRect(box.x - 4, Math.round(y(v)), 4, 1); pen.fillText(label, box.x - 6, y(v)); }
+    pen.textBaseline = "bottom";
+    pen.fillText(fitted(pen, text(data.x, tensX), box.r - box.x), box.r, height - 1);
+    pen.save();
+    pen.translate(9, (box.y + box.b) / 2);
+    pen.rotate(-Math.PI / 2);
+    pen.textAlign = "center";
+    pen.textBaseline = "middle";
+    const whole = text(data.y, tensY), room = box.b + box.y - 6;
+    pen.fillText(pen.measureText(whole).width > room ? fitted(pen, text({ ...data.y, name: "" }, tensY).trim(), room) : whole, 0, 0);
+    pen.restore();
+  }
+
+  /** The values at the mark, or how many are missing. */
+  tell(up) {
+    const { series, x, y, note, log } = this.data;
+    if (this.at === null || !series.length) {
+      const all = series.reduce((sum, one) => sum + one.values.length, 0);
+      const missing = log || series[0]?.bars ? 0 : series.reduce((sum, one) => sum + one.values.filter((v) => v === null).length, 0);
+      this.out.textContent = !up ? "no value in any of them" : missing ? `${missing} of ${all} values are missing: gaps` : note || "";
+      return;
+    }
+    const place = series[0].xs[this.at], print = log ? rate : (value) => reading(value, y.unit);
+    const values = series.map((one) => { const value = at(one, place); return `${series.length > 1 ? one.name + " " : ""}${value === null ? "no value" : print(value)}`; });
+    this.out.textContent = `${x.name} ${digits(place, 5)}${x.unit ? " " + x.unit : ""}: ${values.join(", ")}${y.unit ? " " + y.unit : ""}`;
+  }
+
+  static upright(pen, x, box, colour, dashes) {
+    pen.strokeStyle = colour;
+    pen.lineWidth = 1;
+    pen.setLineDash(dashes);
+    pen.beginPath();
+    pen.moveTo(x, box.y);
+    pen.lineTo(x, box.b);
+    pen.stroke();
+    pen.setLineDash([]);
+  }
+
+  /** A line with gaps where there is no value; a value between two gaps is a dot. */
+  static line(pen, x, y, { xs, values, colour }, log) {
+    pen.strokeStyle = pen.fillStyle = colour;
+    pen.lineWidth = 1.4;
+    pen.beginPath();
+    const good = (v) => v !== null && v !== undefined && (!log || v > 0);
+    values.forEach((v, i) => {
+      if (!good(v)) return;
+      if (good(values[i - 1])) pen.lineTo(x(xs[i]), y(v));
+      else { pen.moveTo(x(xs[i]), y(v)); if (!good(values[i + 1])) pen.arc(x(xs[i]), y(v), 1.5, 0, 7); }
+    });
+    pen.stroke();
+  }
 }
 
-/** A pixel's values over time, and where the frame shown lies. */
-export function trace(canvas, found, frame) {
-  const xs = found.times_s || found.frames;
-  const values = found.values.filter((v) => v !== null);
-  if (!values.length) return;
-  let low = Math.min(...values), high = Math.max(...values);
-  if (!(high > low)) { low -= 0.5; high += 0.5; }
-  const room = 0.06 * (high - low);
-  const { pen, box, x, y } = framed(canvas, [xs[0], xs.length > 1 ? xs[xs.length - 1] : xs[0] + 1], [low - room, high + room], { x: found.times_s ? "time [s]" : "frame" });
-  line(pen, x, y, xs, found.values, INK.mark, 1.2);
-  const now = frame > found.frames[found.frames.length - 1] ? -1 : found.frames.findIndex((one) => one >= frame);
-  if (now >= 0) { pen.strokeStyle = "#ffffff90"; pen.lineWidth = 1; pen.beginPath(); pen.moveTo(x(xs[now]), box.y); pen.lineTo(x(xs[now]), box.b); pen.stroke(); }
-  pen.save();
-  pen.translate(8, (box.y + box.b) / 2);
-  pen.rotate(-Math.PI / 2);
-  pen.textAlign = "center";
-  pen.textBaseline = "middle";
-  pen.fillStyle = INK.faint;
-  pen.fillText(`[${found.unit || "1"}]`, 0, 0);
-  pen.restore();
+/** The value of a series at a place of the first one. */
+function at({ xs, values }, place) {
+  let low = 0, high = xs.length - 1;
+  while (low < high) { const middle = (low + high) >> 1; if (xs[middle] < place) low = middle + 1; else high = middle; }
+  const near = low > 0 && Math.abs(xs[low - 1] - place) < Math.abs(xs[low] - place) ? low - 1 : low;
+  return values[near] ?? null;
 }

@@ -1,7 +1,9 @@
-// The panels beside the picture: probe, threshold, region, files to save.
-import { histogram, trace } from "./plots.js";
+// The panels beside the picture and the plots under it: probe, pixel in time, profile, threshold, files to save.
+import { Plot } from "./plots.js";
 import { active, isGone, regionQuery, say, showing, state } from "./state.js";
-import { $, bytes, digits, fill, json, latest, short } from "./tools.js";
+import { $, INK, bytes, digits, fill, json, latest, rate, reading, saved, short } from "./tools.js";
+
+export const plots = {};
 
 /** Values under the pointer, of both sources. */
 export const probe = latest(async () => {
@@ -17,16 +19,18 @@ export const probe = latest(async () => {
     const first = found[0];
     $("probe-where").textContent = `column ${column}, row ${row}` + (found.length > 1 ? " (A, B)" : "");
     const rows = first.values.map((v) => ({
-      id: `probe-${v.name}`, label: short(v.label), unit: v.unit,
+      id: `probe-${v.name}`, label: short(v.label), unit: v.unit, print: reading,
       values: found.map((f) => { const same = f.values.find((other) => other.name === v.name); return same ? same.value : null; }),
     }));
     if (first.azimuth_deg !== null) {
-      rows.push({ id: "probe-azimuth", label: "azimuth", unit: "°", values: found.map((f) => f.azimuth_deg) });
-      rows.push({ id: "probe-elevation", label: "elevation", unit: "°", values: found.map((f) => f.elevation_deg) });
+      rows.push({ id: "probe-azimuth", label: "azimuth", unit: "°", print: reading, values: found.map((f) => f.azimuth_deg) });
+      rows.push({ id: "probe-elevation", label: "elevation", unit: "°", print: reading, values: found.map((f) => f.elevation_deg) });
     }
     if (first.objects.length) rows.push({ id: "probe-objects", label: "object", unit: "", values: [first.objects.join(", ")] });
     fill($("probe"), rows);
     $("probe").dataset.frame = first.frame;
+    const shown = first.values.find((v) => v.name === $("layer").value);
+    $("probe-line").textContent = `column ${column}, row ${row}: ${shown ? reading(shown.value, shown.unit) : "–"} ${shown?.unit || ""}`;
   } catch (error) { say(error); }
 });
 
@@ -47,13 +51,35 @@ export const follow = latest(async () => {
   } catch (error) { say(error); }
 });
 
+/** The x of a course and the place of the frame shown in it. */
+export function course({ frames, times_s: times }) {
+  const place = frames.findIndex((one) => one >= state.frame);
+  return { xs: times || frames, x: times ? { name: "time", unit: "s" } : { name: "frame", unit: "" }, now: place < 0 ? null : (times || frames)[place] };
+}
+
 /** The same course with the frame's place moved; another part of it where the frame has left what is shown. */
 export function retrace() {
   if (!traced || !state.pinned) return;
   const { frames } = traced, outside = state.frame < frames[0] || state.frame > frames[frames.length - 1];
   if (outside && !$("trace-spread").checked && !state.playing) { follow(); return; }
-  trace($("trace"), traced, state.frame);
+  const { xs, x, now } = course(traced);
+  plots.trace.frames = frames;
+  plots.trace.set({ series: [{ name: "pixel", colour: INK.mark, xs, values: traced.values }], x, y: { name: short(traced.label), unit: traced.unit }, now });
 }
+
+/** Values along the line. */
+export const profile = latest(async () => {
+  $("profile-box").hidden = !state.line;
+  if (!state.line) return;
+  const [column, row, toColumn, toRow] = state.line;
+  try {
+    const query = new URLSearchParams({ layer: $("layer").value, column, row, to_column: toColumn, to_row: toRow });
+    const found = await json(`/api/profile/${active()}/${state.frame}?${query}`);
+    $("profile-where").textContent = `column ${column}, row ${row} to column ${toColumn}, row ${toRow}: ${short(found.label)}`;
+    $("profile").dataset.values = JSON.stringify(found.values);
+    plots.profile.set({ series: [{ name: "profile", colour: INK.mark, xs: found.distance_px, values: found.values }], x: { name: "distance", unit: "px" }, y: { name: short(found.label), unit: found.unit } });
+  } catch (error) { say(error); }
+});
 
 /** Pixels above the threshold, on the picture and as a rate. */
 export async function threshold() {
@@ -61,6 +87,7 @@ export async function threshold() {
   if (!$("threshold-on").checked) {
     Object.values(state.panes).forEach((other) => other.setMask(null));
     $("threshold-table").replaceChildren();
+    $("threshold-plot-box").hidden = true;
     return;
   }
   const query = new URLSearchParams([["sigma", $("threshold").value], ["filter", $("threshold-filter").value], ["layer", $("layer").value], ...regionQuery()]);
@@ -68,66 +95,20 @@ export async function threshold() {
   Object.values(state.panes).forEach((other) => other.setMask(other === pane ? bytes(found.mask) : null));
   const rows = [
     { id: "threshold-count", label: "pixels above", values: [found.exceedances], unit: `of ${found.pixels}` },
-    { id: "threshold-rate", label: "false-alarm rate", values: [found.rate], unit: "per pixel" },
-    { id: "threshold-gaussian", label: "Gaussian tail", values: [found.gaussian_rate], unit: "per pixel" },
-    { id: "threshold-ratio", label: "ratio of the two", values: [found.ratio], unit: "" },
+    { id: "threshold-rate", label: "false-alarm rate", values: [found.rate], unit: "per pixel", print: rate },
+    { id: "threshold-gaussian", label: "Gaussian tail", values: [found.gaussian_rate], unit: "per pixel", print: rate },
+    { id: "threshold-ratio", label: "ratio of the two", values: [found.ratio], unit: "", print: (value) => digits(value, 3) },
   ];
-  if (found.value !== null) rows.push({ id: "threshold-level", label: "level", values: [found.value], unit: state.meta.a.layers.find((l) => l.name === $("layer").value)?.unit });
+  if (found.value !== null) rows.push({ id: "threshold-level", label: "level", values: [found.value], unit: state.meta.a.layers.find((l) => l.name === $("layer").value)?.unit, print: reading });
   fill($("threshold-table"), rows);
   $("threshold-table").dataset.frame = found.frame;
   $("threshold-table").dataset.sigma = found.threshold_sigma;
-}
-
-/** Statistics of the region of this frame. */
-export const region = latest(async () => {
-  const box = state.region;
-  $("region-tools").hidden = $("histogram").hidden = !box;
-  if (!box) { $("region").replaceChildren(); $("region-where").textContent = "drag one with Shift held"; return; }
-  $("region-where").textContent = `${box.width} × ${box.height} px at column ${box.left}, row ${box.top}`;
-  try {
-    const query = new URLSearchParams([["layer", $("layer").value], ...regionQuery()]);
-    const found = await json(`/api/region/${active()}/${state.frame}?${query}`);
-    const { gamma, gaussian } = found.fits;
-    fill($("region"), [
-      { id: "region-pixels", label: "pixels", values: [found.pixels], unit: "" },
-      { id: "region-mean", label: "mean", values: [found.mean], unit: found.unit },
-      { id: "region-std", label: "standard deviation", values: [found.std], unit: found.unit },
-      { id: "region-skewness", label: "skewness", values: [found.skewness], unit: "" },
-      { id: "region-kurtosis", label: "excess kurtosis", values: [found.excess_kurtosis], unit: "" },
-      { id: "region-minimum", label: "smallest", values: [found.minimum], unit: found.unit },
-      { id: "region-maximum", label: "largest", values: [found.maximum], unit: found.unit },
-      gamma.reason ? { id: "region-gamma", label: "gamma", values: ["no fit"], unit: "" } : { id: "region-gamma", label: "gamma: shape", values: [gamma.shape], unit: "" },
-      ...(gamma.reason ? [] : [{ id: "region-gamma-scale", label: "gamma: scale", values: [gamma.scale], unit: found.unit }]),
-    ]);
-    $("region").dataset.frame = found.frame;
-    $("region").title = gamma.reason || gaussian.reason || "";
-    histogram($("histogram"), found);
-  } catch (error) { say(error); }
-});
-
-/** What analyze tells of the region; asked for until it is there. */
-async function analyse(all) {
-  if (!state.region) return;
-  $("analysis-save").hidden = true;
-  $("analysis").textContent = "…";
-  try {
-    const query = new URLSearchParams([["layer", $("layer").value], ["all", all ? "1" : "0"], ...regionQuery()]);
-    const { job } = await json(`/api/analysis/${active()}/${state.frame}?${query}`, { method: "POST" });
-    for (;;) {
-      const found = await json(`/api/analysis/${job}`);
-      if (found.result) {
-        const best = Object.entries(found.result.fits).filter(([, fit]) => fit.ks !== null).sort((x, y) => x[1].ks - y[1].ks)[0];
-        const alarm = found.result.false_alarms[0];
-        $("analysis").textContent = (best ? `nearest: ${best[0]} (KS ${digits(best[1].ks, 3)}); ` : "") + `> ${alarm.threshold_sigma} σ: ${digits(alarm.rate, 3)} per pixel. Save all:`;
-        $("analysis").dataset.result = JSON.stringify(found.result);
-        for (const kind of ["json", "csv"]) $(`save-${kind}`).href = `/api/analysis/${job}?save=${kind}`;
-        $("analysis-save").hidden = false;
-        return;
-      }
-      $("analysis").textContent = `${Math.round((100 * found.done) / Math.max(found.total, 1))} %`;
-      await new Promise((done) => setTimeout(done, 250));
-    }
-  } catch (error) { $("analysis").textContent = error.message; }
+  const { sigma, rate: rates, gaussian } = found.curve;
+  $("threshold-plot-box").hidden = false;
+  plots.threshold.set({
+    series: [{ name: "measured", colour: INK.mark, xs: sigma, values: rates }, { name: "Gaussian", colour: INK.second, xs: sigma, values: gaussian.map((v) => (v > 1e-9 ? v : null)) }],
+    x: { name: "threshold", unit: "σ" }, y: { name: "rate", unit: "per pixel" }, log: true, now: found.threshold_sigma,
+  });
 }
 
 /** Addresses of what can be saved, as it is seen now. */
@@ -142,34 +123,28 @@ export function files() {
 }
 
 /** A refusal is told instead of replacing the page. */
-async function save(event) {
+export function save(event) {
   event.preventDefault();
-  const link = event.currentTarget;
-  try {
-    const answer = await fetch(link.href);
-    if (!answer.ok) throw new Error((await answer.json()).error);
-    const name = /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") || "")?.[1] || "frame";
-    const made = document.createElement("a");
-    made.href = URL.createObjectURL(await answer.blob());
-    made.download = name;
-    made.click();
-    setTimeout(() => URL.revokeObjectURL(made.href), 10_000);
-  } catch (error) { say(error); }
+  saved(event.currentTarget.href).catch(say);
 }
 
-export function bindSide(redraw) {
+/** Bind the panels; gives the function that counts pixels above the threshold again. */
+export function bindSide(redraw, goTo) {
   const again = latest(async () => { try { await threshold(); if (!isGone()) say(null); } catch (error) { say(error); } redraw(); });
-  for (const id of ["threshold-on", "threshold-filter"]) $(id).addEventListener("change", again);
-  $("threshold").addEventListener("input", () => {
+  const above = (sigma) => {
+    $("threshold").value = sigma;
     $("threshold-value").textContent = `${Number($("threshold").value).toFixed(2)} σ`;
-    if (!$("threshold-on").checked) $("threshold-on").checked = true;
+    $("threshold-on").checked = true;
     again();
-  });
-  $("region-clear").addEventListener("click", () => { state.region = null; region(); again(); });
-  $("analyse-frame").addEventListener("click", () => analyse(false));
-  $("analyse-all").addEventListener("click", () => analyse(true));
+  };
+  plots.trace = new Plot($("trace"), $("trace-read"), (x, at) => goTo(plots.trace.frames[at]));
+  plots.profile = new Plot($("profile"), $("profile-read"));
+  plots.threshold = new Plot($("threshold-plot"), $("threshold-read"), above);
+  for (const id of ["threshold-on", "threshold-filter"]) $(id).addEventListener("change", again);
+  $("threshold").addEventListener("input", () => above($("threshold").value));
   $("trace-spread").addEventListener("change", follow);
   $("trace-close").addEventListener("click", () => { state.pinned = null; follow(); redraw(); });
+  $("profile-close").addEventListener("click", () => { state.line = null; profile(); redraw(); });
   for (const id of ["clip-first", "clip-last"]) $(id).addEventListener("change", files);
   for (const id of ["export-png", "export-npy", "export-tif", "export-clip", "save-json", "save-csv"]) $(id).addEventListener("click", save);
   return again;

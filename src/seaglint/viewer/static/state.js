@@ -7,8 +7,12 @@ export const state = {
   meta: {}, // of a and b
   frame: 0,
   playing: false,
-  region: null,
-  pointer: null, // [column, row] under the pointer
+  tool: "pan",
+  regions: [], // { shape, numbers, name }
+  chosen: -1, // number of the region whose histogram is shown
+  draft: [], // corners of a polygon that is being drawn
+  line: null, // [column, row, column, row] of the profile
+  pointer: null, // [column, row] under the pointer, or where the arrow keys have led
   probed: null, // the one whose values are told
   pinned: null, // [column, row] whose course is shown
   active: "a", // the pane that was touched last
@@ -28,7 +32,14 @@ export function showing(difference = false) {
   return query;
 }
 
-export const regionQuery = () => (state.region ? Object.entries(state.region) : []);
+export const region = () => state.regions[state.chosen] || null;
+
+export const textOf = ({ shape, numbers }) => [shape, ...numbers].join(" ");
+
+export const regionQuery = () => (region() ? [["region", textOf(region())]] : []);
+
+/** Colour of a region on the picture and in plots. */
+export const colourOf = (number, colours) => colours[number % colours.length];
 
 /** Source and number of the pane touched last; the difference has none of its own. */
 export const active = () => (state.active === "b" && state.b !== null ? state.b : state.a);

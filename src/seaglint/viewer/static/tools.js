@@ -1,12 +1,36 @@
 // Small things that all parts of the page use.
 export const $ = (id) => document.getElementById(id);
 
-/** Numbers with as many digits as a person reads; more where their level asks for it. */
-export function digits(value, many = 5) {
+const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+/** A power of ten as it is printed. */
+export const power = (n) => "10" + (n < 0 ? "⁻" : "") + [...String(Math.abs(n))].map((digit) => RAISED[digit]).join("");
+
+/** A number with so many significant digits; very small and very large ones by a power of ten. */
+export function digits(value, many = 4) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
-  if (value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e7)) return value.toExponential(Math.max(many - 2, 1)).replace("e", " e");
-  return String(Number(value.toPrecision(many)));
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-3 || size >= 1e6)) return scientific(value, many);
+  if (Number.isInteger(value)) return String(value);
+  return size >= 10 ** many ? value.toFixed(0) : String(Number(value.toPrecision(many)));
 }
+
+function scientific(value, many) {
+  const [mantissa, exponent] = value.toExponential(many - 1).split("e");
+  return `${Number(mantissa)} × ${power(Number(exponent))}`;
+}
+
+/** A rate per pixel: three digits, all rates below a tenth in one style. */
+export const rate = (value) => (value === null || value === 0 || value >= 0.1 ? digits(value, 3) : scientific(value, 3));
+
+/** A value of values that spread: digits down to a hundredth of their deviation. */
+export function within(value, spread) {
+  if (value === null || !(spread > 0) || Math.abs(value) >= 1e6 || (value !== 0 && Math.abs(value) < 1e-3)) return digits(value);
+  return value.toFixed(Math.min(Math.max(2 - Math.floor(Math.log10(spread)), 0), 7));
+}
+
+/** A value as it is read off: hundredths of a degree, thousandths of a direction, five digits otherwise. */
+export const reading = (value, unit) => (value !== null && ["K", "°C"].includes(unit) ? value.toFixed(2) : value !== null && unit === "°" ? value.toFixed(3) : digits(value, 5));
 
 /** Ticks at round numbers between two ends. */
 export function ticks(low, high, wanted) {
@@ -75,18 +99,38 @@ export function sized(canvas) {
   return { pen, width, height };
 }
 
-export const INK = { text: "#dfe3e6", faint: "#98a2aa", line: "#343b41", mark: "#f0b54a", second: "#7fc7ff", ground: "#15181b" };
 export const FONT = '11px system-ui, "DejaVu Sans", sans-serif';
 
-/** Rows of a table: [label, value(s)..., unit], with a test id and the exact number. */
+/** Colours of the theme for canvases; those that lie on a picture are the same in every theme. */
+export const INK = { onPicture: ["#f0b54a", "#7fc7ff", "#8fe08f", "#ff9ec7", "#c9a7ff", "#ffe66b"], series: [] };
+
+/** Read the colours of the theme from the style. */
+export function takeInk() {
+  const sample = document.createElement("span");
+  document.body.append(sample);
+  const colour = (name) => { sample.style.color = `var(--${name})`; return getComputedStyle(sample).color; };
+  for (const name of ["text", "faint", "line", "mark", "second", "ground", "bars", "now"]) INK[name] = colour(name);
+  INK.series = INK.onPicture.map((_, i) => colour(`series-${i}`));
+  sample.remove();
+}
+
+/** Text that fits into a width, cut where it must be. */
+export function fitted(pen, text, width) {
+  if (pen.measureText(text).width <= width) return text;
+  let cut = text;
+  while (cut && pen.measureText(cut + "…").width > width) cut = cut.slice(0, -1);
+  return cut + "…";
+}
+
+/** Rows of a table: label, value(s), unit, with a test id and the exact number; `print` writes a number. */
 export function fill(table, rows) {
   const body = document.createElement("tbody");
-  for (const { id, label, values, unit } of rows) {
+  for (const { id, label, values, unit, print = (value) => digits(value) } of rows) {
     const line = body.insertRow();
     line.insertCell().textContent = label;
     for (const value of values) {
       const cell = line.insertCell();
-      cell.textContent = typeof value === "string" ? value : digits(value, 6);
+      cell.textContent = typeof value === "string" ? value : print(value, unit);
       if (typeof value === "number") cell.dataset.value = String(value);
       if (id) cell.dataset.testid = id;
     }
@@ -95,4 +139,31 @@ export function fill(table, rows) {
     last.textContent = unit || "";
   }
   table.replaceChildren(body);
+}
+
+/** The result of a job that a request starts; `told` is called with its progress in per cent, and with the function that cancels it. */
+export async function jobDone(path, told, options = {}) {
+  const { job } = await json(path, { method: "POST", ...options });
+  const cancel = () => ask(`/api/job/${job}`, { method: "DELETE" }).catch(() => {});
+  for (;;) {
+    const found = await json(`/api/job/${job}`);
+    if (found.result) return { job, result: found.result };
+    told(Math.round((100 * found.done) / Math.max(found.total, 1)), cancel);
+    await new Promise((done) => setTimeout(done, 200));
+  }
+}
+
+/** Offer bytes to be saved. */
+export function offer(blob, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+/** Save an answer of the viewer under the name that it gives. */
+export async function saved(path, options) {
+  const answer = await ask(path, options);
+  offer(await answer.blob(), /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") || "")?.[1] || "file");
 }

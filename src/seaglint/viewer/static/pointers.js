@@ -1,0 +1,145 @@
+// What pointers and keys do on a picture: move, zoom, probe, mark regions and a line, drag the ends of the scale.
+import { camera } from "./pane.js";
+import { add } from "./regions.js";
+import { region as chosen, say, state } from "./state.js";
+import { $, latest } from "./tools.js";
+
+export const TOOLS = { pan: "drag moves the picture, a click pins the pixel", rectangle: "drag from corner to corner", ellipse: "drag from corner to corner of its frame", polygon: "click each corner, then the first one again", line: "drag from end to end" };
+
+const bounded = (v, most) => Math.min(Math.max(v, 0), most);
+
+export function choose(tool) {
+  state.tool = tool;
+  state.draft = [];
+  for (const name of Object.keys(TOOLS)) $(`tool-${name}`).setAttribute("aria-pressed", String(name === tool));
+  $("tool-told").textContent = TOOLS[tool];
+}
+
+/** Whole pixels that a drag covers: left, top, width, height. */
+function frameOf({ columns, rows }, [x0, y0], [x1, y1]) {
+  const left = Math.floor(bounded(Math.min(x0, x1), columns - 1)), top = Math.floor(bounded(Math.min(y0, y1), rows - 1));
+  const right = Math.ceil(bounded(Math.max(x0, x1), columns)), bottom = Math.ceil(bounded(Math.max(y0, y1), rows));
+  return [left, top, Math.max(right - left, 1), Math.max(bottom - top, 1)];
+}
+
+/**
+ * Bind one pane. `page` has what follows: redraw, probe, follow, profile, regions (their statistics again), files, limits (ends of the scale).
+ */
+export function pointers(name, pane, page) {
+  const { canvas } = pane;
+  let began = null, anchor = null;
+  const moreLater = latest(async () => { await new Promise((go) => setTimeout(go, 60)); page.regions(); });
+  const place = (event) => { const box = canvas.getBoundingClientRect(); return [event.clientX - box.left, event.clientY - box.top]; };
+  const pixel = (x, y) => {
+    const [column, row] = pane.at(x, y).map(Math.floor);
+    return pane.contains(x, y) && column >= 0 && row >= 0 && column < pane.meta.columns && row < pane.meta.rows ? [column, row] : null;
+  };
+  const near = (x, y) => { const { columns, rows } = pane.meta, [column, row] = pane.at(x, y); return [bounded(Math.floor(column), columns - 1), bounded(Math.floor(row), rows - 1)]; };
+
+  function close() {
+    if (state.draft.length > 2) { add("polygon", state.draft.flat()); page.regions(); } else if (state.draft.length) say(new Error("a polygon has 3 corners at least; click further ones"));
+    state.draft = [];
+    page.redraw();
+  }
+
+  function corner(x, y) {
+    const { size, left, top } = pane.place(), [first] = state.draft;
+    if (first && Math.hypot(left + first[0] * size - x, top + first[1] * size - y) < 14 && state.draft.length > 2) { close(); return; }
+    const { columns, rows } = pane.meta, [column, row] = pane.at(x, y);
+    state.draft.push([bounded(column, columns), bounded(row, rows)].map((v) => Math.round(10 * v) / 10));
+    $("tool-told").textContent = `${state.draft.length} corner${state.draft.length > 1 ? "s" : ""}: click the first one again, or press Enter, to close it`;
+  }
+
+  canvas.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0 || !pane.meta) return;
+    state.active = name;
+    anchor = null;
+    const [x, y] = place(event);
+    const tool = event.shiftKey && !["ellipse", "line", "polygon"].includes(state.tool) ? "rectangle" : state.tool;
+    began = { x, y, tool, moved: false, camera: { ...camera }, at: pane.at(x, y), pixel: near(x, y), scale: pane.barAt(x, y), values: pane.scale && [...pane.scale.values], before: state.regions.length };
+    canvas.setPointerCapture(event.pointerId);
+  });
+
+  canvas.addEventListener("pointermove", (event) => {
+    if (!pane.meta) return;
+    const [x, y] = place(event);
+    state.pointer = pixel(x, y);
+    canvas.style.cursor = pane.barAt(x, y) ? "ew-resize" : "crosshair";
+    if (began) drag(x, y);
+    page.redraw();
+    page.probe();
+  });
+
+  function drag(x, y) {
+    if (Math.hypot(x - began.x, y - began.y) > 3) began.moved = true;
+    if (!began.moved) return;
+    if (began.scale) {
+      const low = began.values[0], high = began.values[began.values.length - 1], by = ((x - began.x) / pane.barPlace.width) * (high - low);
+      const ends = [low + (began.scale === "high" ? 0 : by), high + (began.scale === "low" ? 0 : by)];
+      if (ends[0] < ends[1]) page.limits(ends);
+    } else if (began.tool === "rectangle" || began.tool === "ellipse") {
+      const numbers = frameOf(pane.meta, began.at, pane.at(x, y));
+      if (state.regions.length === began.before) add(began.tool, numbers); else chosen().numbers = numbers;
+    } else if (began.tool === "line") state.line = [...began.pixel, ...near(x, y)];
+    else if (began.tool === "pan") {
+      const { size } = pane.place(), { columns, rows } = pane.meta;
+      camera.x = began.camera.x - (x - began.x) / (size * columns);
+      camera.y = began.camera.y - (y - began.y) / (size * rows);
+    }
+  }
+
+  canvas.addEventListener("pointerup", (event) => {
+    if (!began) return;
+    const was = began, [x, y] = place(event);
+    began = null;
+    if (was.scale) { page.redraw(); return; }
+    if (was.tool === "polygon") { if (!was.moved && (pixel(x, y) || state.draft.length)) corner(x, y); }
+    else if (was.moved && was.tool === "line") page.profile();
+    else if (was.moved && was.tool !== "pan") page.regions();
+    else if (!was.moved) {
+      // A finger points only while it touches: the pixel that it tapped stays the one probed.
+      state.pinned = state.probed = pixel(x, y) || state.pinned;
+      if (event.pointerType === "touch") state.pointer = null;
+      page.follow();
+      page.probe();
+    }
+    page.files();
+    page.redraw();
+  });
+  canvas.addEventListener("pointercancel", () => { began = null; });
+  canvas.addEventListener("pointerleave", () => { if (!began) { state.pointer = null; page.redraw(); } });
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    if (!pane.meta) return;
+    const [x, y] = place(event), before = pane.at(x, y);
+    camera.zoom = Math.min(Math.max(camera.zoom * Math.exp(-event.deltaY / 400), 1), 200);
+    const after = pane.at(x, y);
+    camera.x += (before[0] - after[0]) / pane.meta.columns;
+    camera.y += (before[1] - after[1]) / pane.meta.rows;
+    if (camera.zoom === 1) camera.x = camera.y = 0.5;
+    page.redraw();
+  }, { passive: false });
+
+  canvas.addEventListener("keydown", (event) => {
+    if (!pane.meta || event.metaKey || event.altKey) return;
+    const { columns, rows } = pane.meta;
+    const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    if (by) {
+      const from = state.pointer || state.probed || state.pinned || [Math.floor(columns / 2), Math.floor(rows / 2)], step = event.ctrlKey ? 10 : 1;
+      const to = [bounded(from[0] + step * by[0], columns - 1), bounded(from[1] + step * by[1], rows - 1)];
+      state.active = name;
+      state.pointer = to;
+      if (event.shiftKey) {
+        if (!anchor || !chosen()) { anchor = from; add("rectangle", [...from, 1, 1]); }
+        const [x, y] = [0, 1].map((i) => [Math.min(anchor[i], to[i]), Math.abs(anchor[i] - to[i]) + 1]);
+        chosen().numbers = [x[0], y[0], x[1], y[1]];
+        moreLater();
+      } else anchor = null;
+      page.probe();
+    } else if (event.key === "Enter") {
+      if (state.draft.length) close(); else if (state.pointer || state.probed) { state.pinned = state.pointer || state.probed; page.follow(); }
+    } else if (event.key === "Escape") { state.draft = []; anchor = null; choose(state.tool); } else return;
+    event.preventDefault();
+    page.redraw();
+  });
+}
