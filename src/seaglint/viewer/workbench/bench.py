@@ -358,7 +358,7 @@ class Bench:
         ]
         self._facts.set_text("\n".join(facts))
         self._map_above.content = plan_svg(view, whole=self._whole)
-        self._daylight.show(view.sun if scenario.time is not None else None)
+        self._daylight.show()
 
     def _far(self, whole: bool) -> None:
         self._whole = whole
