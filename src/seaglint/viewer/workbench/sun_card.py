@@ -156,7 +156,9 @@ class Daylight:
         with self._box:
             moment = self._moment()
             if moment is None:
-                words = "The Sun's angles are given. A date and a place with this Sun can be found; its course over the day is then shown here."
+                words = (
+                    "The Sun's angles are given. A date and a place with this Sun can be found; its course over the day is then shown here."
+                )
                 ui.label(words).classes("faint")
                 ui.button("Sun by time and place", icon="schedule", on_click=self._by_time).props("flat dense no-caps data-do=by-time")
                 return
