@@ -204,16 +204,16 @@ class Bench:
 
     def _map(self, job: Job) -> tuple[ui.html, ui.label]:
         with ui.column().classes("card two"):
-            with ui.row().classes("head"):
-                ui.label(_TITLES[job]).classes("name")
-                words = ui.label("").classes("faint grow").props(f'data-words="{job}"')
+            with ui.row().classes("head title"):
+                ui.label(_TITLES[job]).classes("name grow")
                 if job == "mean":
                     ui.toggle(
                         {"radiance": "radiance", "apparent_temperature": "apparent temperature"},
                         value="radiance",
                         on_change=lambda e: self._of(e.value),
                     ).props("dense no-caps unelevated size=sm toggle-text-color=on-mark data-do=quantity")
-            return ui.html("", sanitize=False).classes("picture").props(f'data-picture="{job}"'), words
+            picture = ui.html("", sanitize=False).classes("picture").props(f'data-picture="{job}"')
+            return picture, ui.label("").classes("faint").props(f'data-words="{job}"')
 
     def _around(self) -> None:
         with ui.column().classes("card third"):
