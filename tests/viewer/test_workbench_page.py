@@ -142,7 +142,7 @@ def test_a_preset_to_begin_with_and_the_day_of_its_sun(browser):
         page.mouse.click(box["x"] + box["width"] * 0.5, box["y"] + box["height"] / 2)
         playwright.expect(page.locator("[data-toml]")).to_contain_text(re.compile("utc = 2026-[0-9-]+T1[12]:[05][0-9]:00Z"))
         page.wait_for_function("old => document.querySelector('[data-picture=compass]').innerHTML !== old", arg=compass)
-        assert page.locator('[data-words="difference"]').count() == 0
+        playwright.expect(page.locator('[data-words="difference"]')).to_have_count(0)
         assert wind in facts.inner_text()
         page.locator('[data-do="by-angles"]').click()
         playwright.expect(page.locator("[data-toml]")).to_contain_text("[sun]")
@@ -185,7 +185,8 @@ FAINT_TEXTS = """least => {
   };
   let checked = 0;
   for (const element of document.querySelectorAll('body *')) {
-    if (!element.checkVisibility({visibilityProperty: true}) || element.closest('.q-icon, .nicegui-error-popup, title, .old')) continue;
+    if (!element.checkVisibility({visibilityProperty: true, opacityProperty: true})) continue;
+    if (element.closest('.q-icon, .nicegui-error-popup, title, .old')) continue;
     const own = [...element.childNodes].filter((node) => node.nodeType === 3).map((node) => node.data.trim()).join('');
     const style = getComputedStyle(element);
     if (own) checked += check(element, element.closest('svg') ? style.fill : style.color, own);
@@ -255,9 +256,8 @@ def test_every_text_stands_out_from_what_is_behind_it(browser, bench, theme):
         checked, faint = page.evaluate(FAINT_TEXTS, LEAST_CONTRAST)
         assert checked > 150
         assert faint == []
-        page.locator('input[data-key="sensor.height_m"]').fill("20")
-        playwright.expect(page.locator("[data-status]")).to_have_text("the scenario is valid")
-        page.wait_for_function("!document.querySelector('.picture.old')")
+        page.reload()
+        drawn(page)
         page.locator('[data-do="by-time"]').click()
         page.locator('[data-words="difference"]').wait_for()
         playwright.expect(picture(page, "compass")).to_contain_text("NE")
@@ -297,8 +297,8 @@ def test_temperatures_are_in_celsius_too(browser, bench):
         page.locator('input[data-key="sea.temperature_k"]').fill("280")
         playwright.expect(shown).to_have_text("= 6.85 °C")
         page.locator('input[data-key="sea.temperature_k"]').fill("11 degC")
-        playwright.expect(shown).to_have_count(0)
+        playwright.expect(shown).to_have_text("")
         page.get_by_text("apparent temperature", exact=True).click()
         playwright.expect(picture(page, "mean")).to_contain_text("K (°C)")
-        label = re.search(r">(\d+\.\d) \((\d+\.\d)\)<", picture(page, "mean").inner_html())
-        assert float(label[1]) - float(label[2]) == pytest.approx(273.15, abs=0.11)
+        label = re.search(r">(\d+\.?\d*) \((\d+\.?\d*)\)<", picture(page, "mean").inner_html())
+        assert float(label[1]) - float(label[2]) == pytest.approx(273.15, abs=1.0)  # whole degrees

@@ -136,6 +136,7 @@ class Daylight:
     def __init__(self, draft: Draft, changed: Callable[[Keys], None], rebuilt: Callable[[], None]) -> None:
         self._draft, self._changed, self._rebuilt = draft, changed, rebuilt
         self._difference = ""
+        self._found = draft.snapshot()
         self._day: Day | None = None
         self._known: tuple[date, float, float] | None = None
         self._box = ui.column().classes("fields")
@@ -170,7 +171,6 @@ class Daylight:
             course = ui.label("").classes("faint").props("data-words=day")
             if self._difference:
                 ui.label(self._difference).classes("faint").props("data-words=difference")
-                self._difference = ""  # of the next change it is not true
             ui.button("Sun by its angles", icon="wb_sunny", on_click=self._by_angles).props("flat dense no-caps data-do=by-angles")
             self._parts = picture, slider, course
 
@@ -192,6 +192,7 @@ class Daylight:
         self._draft.put(("sun",), None)
         self._draft.put(("time",), {"utc": f"{changed.time.utc:%Y-%m-%dT%H:%M:%SZ}"})
         self._draft.put(("place",), changed.place.model_dump())
+        self._found = self._draft.snapshot()
         self._build()
         self._rebuilt()
 
@@ -218,7 +219,11 @@ class Daylight:
     def show(self) -> None:
         """Show the Sun's day of a valid scenario."""
         moment = self._moment()
-        if (moment is not None) != (self._parts is not None):
+        # The line on the difference is true for the time and place that were found, not for later ones.
+        old = bool(self._difference) and any(self._draft.get((key,)) != self._found.get((key,)) for key in ("time", "place"))
+        if old:
+            self._difference = ""
+        if old or (moment is not None) != (self._parts is not None):
             self._build()
         if moment is None or self._parts is None:
             return
