@@ -21,7 +21,7 @@ from seaglint.viewer.workbench.scenario_draft import Draft, Keys
 
 STEP: Final = 10  #: Time between two points of the course [min].
 
-_WIDTH, _HEIGHT, _LEFT, _TOP = 420.0, 150.0, 34.0, 8.0
+_WIDTH, _HEIGHT, _LEFT, _TOP = 300.0, 140.0, 34.0, 8.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,7 @@ def dated(scenario: Scenario) -> tuple[Scenario, str]:
     angle = math.degrees(2.0 * math.asin(math.sqrt(half)))
     light = 100.0 * (found.irradiance_factor / given.irradiance_factor - 1.0)
     return changed, (
-        f"The Sun differs by {angle:.2g}° from the given angles; by its distance of {found.distance_au:.3f} au on this date "
+        f"The Sun differs by {angle:.3f}° from the given angles; by its distance of {found.distance_au:.3f} au on this date "
         f"its irradiance is {abs(light):.1f} % {'higher' if light > 0 else 'lower'}."
     )
 
