@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from seaglint.scenario.load import parse_scenario
-from seaglint.scenario.sun import sun_position
+from seaglint.scenario.sun import dated_sun, sun_position
 
 ALMANAC = 0.02  # deg; the facts below are rounded to about 0.01 deg
 REFRACTION = 0.05  # deg; the standard atmosphere's bending above 20 deg of elevation
@@ -48,3 +49,47 @@ def test_morning_sun_is_in_the_east():
 
 def test_midnight_sun_is_below_the_horizontal():
     assert math.degrees(at("2026-03-20T00:00:00Z", 0.0, 0.0).zenith) > 170.0
+
+
+# --- a date and a place for a direction
+
+NEAREST = 0.01  # deg; minutes, places to 1e-4 deg, and the parallax of 0.0024 deg
+rng = np.random.default_rng(48)
+EVERYWHERE = [(math.degrees(math.acos(up)), azimuth) for up, azimuth in zip(rng.uniform(-1, 1, 40), rng.uniform(0, 360, 40), strict=True)]
+LOW = list(zip(rng.uniform(80, 90.2, 20), rng.uniform(0, 360, 20), strict=True))  # where refraction is largest
+CORNERS = [(0, 0), (180, 0), (0.3, 45), (90, 0), (90, 90), (90, 180), (90, 270), (89, 90), (89.9, 90.1), (45, 90), (75, 0), (75, 180)]
+
+
+def beside(zenith, azimuth):
+    """Angle between a direction and the Sun at its date and place [deg], and that date and place."""
+    moment, latitude, longitude = dated_sun(math.radians(zenith), math.radians(azimuth))
+    sun = at(moment.isoformat(), latitude, longitude)
+    ends = [
+        np.array([math.sin(z) * math.sin(a), math.sin(z) * math.cos(a), math.cos(z)])
+        for z, a in ((sun.zenith, sun.azimuth), (math.radians(zenith), math.radians(azimuth)))
+    ]
+    return math.degrees(2 * math.asin(0.5 * float(np.linalg.norm(ends[0] - ends[1])))), (moment, latitude, longitude)
+
+
+@pytest.mark.parametrize(("zenith", "azimuth"), EVERYWHERE + LOW + CORNERS)
+def test_every_direction_has_a_date_and_a_place(zenith, azimuth):
+    angle, (moment, latitude, longitude) = beside(zenith, azimuth)
+    assert angle < NEAREST
+    assert moment.second == 0
+    assert abs(latitude) <= 90
+    assert -180 <= longitude <= 180
+
+
+@pytest.mark.parametrize(("zenith", "azimuth"), EVERYWHERE)
+def test_places_of_dates_are_on_the_open_atlantic(zenith, azimuth):
+    _, (_, latitude, longitude) = beside(zenith, azimuth)
+    assert longitude == pytest.approx(-30.0, abs=1.0)
+    # The Sun is due south or north of places at 90 - 23.4 deg at the farthest, where it is on the horizon at the solstice.
+    assert abs(latitude) < 67.0
+
+
+@pytest.mark.parametrize("zenith", [90.3, 90.5, 90.7])
+def test_a_sun_that_is_never_seen_is_as_near_as_the_end_of_refraction(zenith):
+    # Refraction lifts the last Sun from 90.83 to 90.22 deg; 0.02 deg for the margin at that end.
+    angle, _ = beside(zenith, 200.0)
+    assert angle == pytest.approx(min(zenith - 90.217, 90.833 - zenith), abs=0.02)

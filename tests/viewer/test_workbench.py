@@ -370,8 +370,8 @@ def test_the_plan_has_objects_where_they_are():
     places = [element for element in svg.iter() if element.get("class") == "place"]
     assert len(places) == 1 + len(scenario.objects)
     place = next(element for element in places if element[0].text == "container ship")
-    assert float(place.get("cx")) == pytest.approx(210 - 186 * 250 / far, abs=0.1)  # west is left
-    assert float(place.get("cy")) == pytest.approx(210 + 186 * 6000 / far, abs=0.1)  # south is below
+    assert float(place.get("cx")) == pytest.approx(160 - 134 * 250 / far, abs=0.1)  # west is left
+    assert float(place.get("cy")) == pytest.approx(160 + 134 * 6000 / far, abs=0.1)  # south is below
     assert 'class="horizon"' not in plan_svg(found)
     assert 'class="horizon"' in plan_svg(found, whole=True)
 

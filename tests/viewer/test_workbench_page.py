@@ -49,9 +49,9 @@ def browser():
 
 
 @contextmanager
-def opened(browser, address):
+def opened(browser, address, width=1500, **settings):
     """A page, of which every request is recorded; all have to stay on the machine."""
-    page = browser.new_page(viewport={"width": 1500, "height": 1150})
+    page = browser.new_page(viewport={"width": width, "height": 1150}, **settings)
     asked = []
     page.on("request", lambda request: asked.append(request.url))
     page.on("websocket", lambda socket: asked.append(socket.url))
@@ -127,14 +127,23 @@ def test_a_preset_to_begin_with_and_the_day_of_its_sun(browser):
         page.locator('[data-key="preset"]').click()
         page.get_by_text("calm: ").click()
         playwright.expect(page.locator("[data-toml]")).to_contain_text("height_m = 100.0")
+        facts = page.locator('[data-words="facts"]')
+        before = facts.inner_text()
+        wind = before.splitlines()[0]
         page.locator('[data-do="by-time"]').click()
-        playwright.expect(page.locator("[data-toml]")).to_contain_text("latitude_deg = 36.8")
-        playwright.expect(page.get_by_text("17:30 UTC: elevation 75")).to_be_visible()
+        playwright.expect(page.locator("[data-toml]")).to_contain_text("longitude_deg")
+        playwright.expect(page.locator("[data-toml]")).not_to_contain_text("[sun]")
+        said = page.locator('[data-words="difference"]').inner_text()
+        assert re.match(r"The Sun differs by 0\.00\d+° from the given angles; by its distance of \d\.\d{3} au on this date", said)
+        playwright.expect(page.locator('[data-words="day"]')).to_contain_text("UTC: elevation")
+        assert facts.inner_text() == before
         compass = picture(page, "compass").inner_html()
         box = page.locator('[data-do="day"]').bounding_box()
         page.mouse.click(box["x"] + box["width"] * 0.5, box["y"] + box["height"] / 2)
-        playwright.expect(page.locator("[data-toml]")).to_contain_text(re.compile("utc = 2026-06-21T1[12]:[05][05]:00Z"))
+        playwright.expect(page.locator("[data-toml]")).to_contain_text(re.compile("utc = 2026-[0-9-]+T1[12]:[05][0-9]:00Z"))
         page.wait_for_function("old => document.querySelector('[data-picture=compass]').innerHTML !== old", arg=compass)
+        playwright.expect(page.locator('[data-words="difference"]')).to_have_count(0)
+        assert wind in facts.inner_text()
         page.locator('[data-do="by-angles"]').click()
         playwright.expect(page.locator("[data-toml]")).to_contain_text("[sun]")
 
@@ -146,3 +155,150 @@ def test_a_browser_that_leaves_in_the_middle_and_comes_back(browser):
                 page.locator('input[data-key="wind.from_deg"]').fill("10")
         with opened(browser, address) as page:
             drawn(page)
+
+
+# --- how the page looks
+
+#: Lowest contrast of text by the Web Content Accessibility Guidelines, level AA.
+LEAST_CONTRAST = 4.5
+
+# Texts whose contrast with the colour behind them is too low. Opacities count; hidden texts, icons and pictures dimmed by errors do not.
+FAINT_TEXTS = """least => {
+  const draw = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
+  const rgba = (colour) => { draw.clearRect(0, 0, 1, 1); draw.fillStyle = colour; draw.fillRect(0, 0, 1, 1);
+    const [r, g, b, a] = draw.getImageData(0, 0, 1, 1).data; return [r, g, b, a / 255]; };
+  const over = (top, below) => [0, 1, 2].map((n) => top[3] * top[n] + (1 - top[3]) * below[n]).concat(1);
+  const light = (c) => c.slice(0, 3).map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, v, n) => sum + v * [0.2126, 0.7152, 0.0722][n], 0);
+  const behind = (element) => { const layers = [];
+    for (let e = element; e; e = e.parentElement) layers.push(rgba(getComputedStyle(e).backgroundColor));
+    return layers.reverse().reduce((below, top) => over(top, below), [255, 255, 255, 1]); };
+  const opacity = (element) => element ? Number(getComputedStyle(element).opacity) * opacity(element.parentElement) : 1;
+  const found = [];
+  const check = (element, colour, text) => {
+    const ground = behind(element), ink = rgba(colour);
+    ink[3] *= opacity(element);
+    const [a, b] = [light(over(ink, ground)), light(ground)].sort((x, y) => y - x);
+    const contrast = (a + 0.05) / (b + 0.05);
+    if (contrast < least) found.push(`${contrast.toFixed(2)}: ${text}`);
+    return 1;
+  };
+  let checked = 0;
+  for (const element of document.querySelectorAll('body *')) {
+    if (!element.checkVisibility({visibilityProperty: true, opacityProperty: true})) continue;
+    if (element.closest('.q-icon, .nicegui-error-popup, title, .old')) continue;
+    const own = [...element.childNodes].filter((node) => node.nodeType === 3).map((node) => node.data.trim()).join('');
+    const style = getComputedStyle(element);
+    if (own) checked += check(element, element.closest('svg') ? style.fill : style.color, own);
+    if (element.value && element.matches('input, textarea')) checked += check(element, style.color, element.value);
+    if (element.placeholder) checked += check(element, getComputedStyle(element, '::placeholder').color, element.placeholder);
+  }
+  return [checked, found];
+}"""
+
+# What ends to the right of the form, or is cut off within it.
+OUTSIDE = """() => {
+  const panel = document.querySelector('.left'), edge = panel.getBoundingClientRect().left + panel.clientWidth + 0.5;
+  return [...panel.querySelectorAll('*')].filter((e) => e.checkVisibility() && !e.closest('.q-focus-helper, svg'))
+    .filter((e) => e.getBoundingClientRect().right > edge || (e.matches('.note, .faint, .name') && e.scrollWidth > e.clientWidth + 1))
+    .map((e) => `${e.className}: ${e.textContent.slice(0, 60)}`);
+}"""
+
+PLAN_INSIDE = """() => {
+  const box = document.querySelector('[data-picture=plan] svg').getBoundingClientRect();
+  return [...document.querySelectorAll('[data-picture=plan] text')].map((text) => [text.textContent, text.getBoundingClientRect()])
+    .filter(([, t]) => t.left < box.left || t.right > box.right || t.top < box.top || t.bottom > box.bottom).map(([text]) => text);
+}"""
+
+
+@pytest.fixture(scope="module")
+def bench():
+    """Address of one viewer for all looks."""
+    with served() as address:
+        yield address
+
+
+def unfold(page, *groups):
+    for group in groups:
+        page.locator(f'[data-group="{group}"] .q-item').first.click()
+        page.locator(f'[data-group="{group}"] .fields .note:visible').first.wait_for()
+
+
+def ready(page):
+    """The page with pictures, optics, noise, detector and an error."""
+    drawn(page)
+    unfold(page, "sea", "atmosphere")
+    for table in ("sensor.optics", "sensor.noise"):
+        page.locator(f'[data-key="{table}"]').click()
+        page.locator(f'[data-note^="{table}."]').first.wait_for()
+    page.locator('input[data-key="sensor.height_m"]').fill("-5 ft")
+    playwright.expect(page.locator('[data-note="sensor.height_m"]')).to_contain_text("outside the allowed range")
+
+
+@pytest.mark.parametrize("width", [1280, 390, 320])
+def test_everything_ends_inside_its_panel(browser, bench, width):
+    with opened(browser, bench, width) as page:
+        drawn(page)
+        assert page.evaluate(PLAN_INSIDE) == []
+        ready(page)
+        assert page.evaluate(OUTSIDE) == []
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        for job in ("mean", "frame"):
+            words = page.locator(f'[data-words="{job}"]')
+            assert "160 x 80 pixels for 512 x 256" in words.inner_text()
+            assert words.evaluate("e => e.scrollWidth <= e.clientWidth")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_every_text_stands_out_from_what_is_behind_it(browser, bench, theme):
+    with opened(browser, bench, 1280, color_scheme=theme) as page:
+        ready(page)
+        checked, faint = page.evaluate(FAINT_TEXTS, LEAST_CONTRAST)
+        assert checked > 150
+        assert faint == []
+        page.reload()
+        drawn(page)
+        page.locator('[data-do="by-time"]').click()
+        page.locator('[data-words="difference"]').wait_for()
+        playwright.expect(picture(page, "compass")).to_contain_text("NE")
+        checked, faint = page.evaluate(FAINT_TEXTS, LEAST_CONTRAST)
+        assert checked > 150
+        assert faint == []
+
+
+def test_a_chosen_theme_stays_and_the_system_s_is_the_default(browser, bench):
+    with opened(browser, bench, color_scheme="light") as page:
+        grounds = {}
+        for theme in ("dark", "light", ""):
+            page.locator("[data-theme-choice]").select_option(theme)
+            page.reload()
+            assert page.locator("[data-theme-choice]").input_value() == theme
+            grounds[theme] = page.evaluate("getComputedStyle(document.body).backgroundColor")
+            assert ("body--dark" in page.locator("body").get_attribute("class")) == (theme == "dark")
+        assert grounds[""] == grounds["light"] != grounds["dark"]
+
+
+def test_a_phone_has_pictures_first_and_buttons_for_fingers(browser, bench):
+    with opened(browser, bench, 390) as page:
+        drawn(page)
+        assert picture(page, "mean").bounding_box()["y"] < 600
+        assert page.locator(".left").bounding_box()["y"] > picture(page, "plan").bounding_box()["y"]
+        for button in page.locator("button:visible, .q-item:visible, .top select").all():
+            box = button.bounding_box()
+            assert min(box["height"], box["width"]) >= 40, button.evaluate("e => e.outerHTML")
+
+
+def test_temperatures_are_in_celsius_too(browser, bench):
+    with opened(browser, bench) as page:
+        drawn(page)
+        unfold(page, "sea")
+        shown = page.locator('label:has(input[data-key="sea.temperature_k"]) .q-field__suffix')
+        playwright.expect(shown).to_have_text("= 15.00 °C")
+        page.locator('input[data-key="sea.temperature_k"]').fill("280")
+        playwright.expect(shown).to_have_text("= 6.85 °C")
+        page.locator('input[data-key="sea.temperature_k"]').fill("11 degC")
+        playwright.expect(shown).to_have_text("")
+        page.get_by_text("apparent temperature", exact=True).click()
+        playwright.expect(picture(page, "mean")).to_contain_text("K (°C)")
+        label = re.search(r">(\d+\.?\d*) \((\d+\.?\d*)\)<", picture(page, "mean").inner_html())
+        assert float(label[1]) - float(label[2]) == pytest.approx(273.15, abs=1.0)  # whole degrees

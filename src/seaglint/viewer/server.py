@@ -306,9 +306,9 @@ def _with_pages(addresses: list[Any], pages: Sequence[Page]) -> Any:
     from nicegui import ui
 
     for page in pages:
-        ui.page(page.path, title=f"{page.title} - seaglint", dark=True)(page.build)
+        ui.page(page.path, title=f"{page.title} - seaglint", dark=None)(page.build)  # None: as the system prefers
     app = FastAPI(routes=addresses, openapi_url=None, docs_url=None, redoc_url=None)
-    ui.run_with(app, title="seaglint", dark=True, show_welcome_message=False, reconnect_timeout=10.0)
+    ui.run_with(app, title="seaglint", dark=None, show_welcome_message=False, reconnect_timeout=10.0)
     return app
 
 

@@ -68,7 +68,7 @@ _NAMES: Final = {0: "N", 45: "NE", 90: "E", 135: "SE", 180: "S", 225: "SW", 270:
 def _view(scenario: Scenario, azimuth_deg: float | None) -> str:
     middle = scenario.sensor.azimuth_deg if azimuth_deg is None else azimuth_deg
     width = scenario.sensor.fov_deg[0]
-    title = f"<title>view towards {middle % 360:g}°, {width:g}° wide</title>"
+    title = f"<title>view towards {middle % 360:.1f}°, {width:g}° wide</title>"
     if width >= 359.9:
         return f'<circle cx="{_SIZE / 2:g}" cy="{_SIZE / 2:g}" r="{_RADIUS:g}" fill="{VIEW}" fill-opacity=".25">{title}</circle>'
     left, right = _at(middle - width / 2, _RADIUS), _at(middle + width / 2, _RADIUS)
@@ -80,7 +80,7 @@ def _view(scenario: Scenario, azimuth_deg: float | None) -> str:
 
 def _wind(scenario: Scenario) -> str:
     speed, azimuth = scenario.wind.speed_m_s, scenario.wind.from_deg
-    title = f"<title>wind of {speed:g} m/s from {azimuth % 360:g}°</title>"
+    title = f"<title>wind of {speed:.1f} m/s from {azimuth % 360:.1f}°</title>"
     # The arrow begins at the rim on the windward side and points to the centre; its length grows with the speed.
     begin, tip = _RADIUS - 2, _RADIUS - 2 - (20 + 2.2 * min(speed, 20))
     barbs = f"M{_at(azimuth, begin)}L{_at(azimuth, tip)}"
@@ -107,8 +107,8 @@ def scenario_html(scenario: Scenario) -> str:
     rows = [(key, value, _default(key)) for key, value in _flat(differing(scenario), "")]
     body = table(("key", "value", "default"), rows) if rows else notes(["all values are the defaults"])
     sun = _sun(scenario)
-    facts = [f"wind {scenario.wind.speed_m_s:g} m/s from {scenario.wind.from_deg:g}°"]
-    facts.append(f"view towards {scenario.sensor.azimuth_deg:g}°, elevation {scenario.sensor.elevation_deg:g}°")
+    facts = [f"wind {scenario.wind.speed_m_s:.1f} m/s from {scenario.wind.from_deg:.1f}°"]
+    facts.append(f"view towards {scenario.sensor.azimuth_deg:.1f}°, elevation {scenario.sensor.elevation_deg:.1f}°")
     if sun is not None:
         facts.append(f"Sun: zenith angle {_degrees(sun.zenith)}, azimuth {_degrees(sun.azimuth)}")
     return card("seaglint scenario", body, compass(scenario, sun) + notes(facts))

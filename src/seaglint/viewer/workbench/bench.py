@@ -26,59 +26,13 @@ from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Pain
 from seaglint.viewer.workbench.sun_card import Daylight
 from seaglint.viewer.workbench.svg_pictures import PlanView, Quantity, distance, map_svg, plan, plan_svg
 
-CSS: Final = """
-:root { --ground: #15181b; --panel: #1d2125; --line: #343b41; --text: #dfe3e6; --faint: #98a2aa; --mark: #f0b54a; --wrong: #ff8a75;
-  color-scheme: dark; }
-body.bench { background: var(--ground); color: var(--text); font: 14px/1.4 system-ui, "DejaVu Sans", sans-serif; }
-.bench .nicegui-content { padding: 0; }
-.bench .whole { width: 100%; gap: 0; }
-.bench .top { width: 100%; align-items: center; gap: 1rem; padding: .45rem .9rem; background: var(--panel);
-  border-bottom: 1px solid var(--line); }
-.bench .mark { color: var(--mark); font-weight: 700; letter-spacing: .03em; }
-.bench .presets { width: 30rem; max-width: 60vw; }
-.bench .faint { color: var(--faint); font-size: 12.5px; }
-.bench .grow { flex: 1; min-width: 0; }
-.bench .lines { white-space: pre-line; }
-.bench .columns { width: 100%; display: grid; grid-template-columns: minmax(320px, 400px) minmax(0, 1fr); align-items: start; }
-.bench .left { gap: 0; border-right: 1px solid var(--line); background: var(--panel); height: calc(100vh - 58px); overflow-y: auto;
-  flex-wrap: nowrap; position: sticky; top: 0; }
-.bench .right { gap: .8rem; padding: .8rem; min-width: 0; }
-.bench .group { width: 100%; border-bottom: 1px solid var(--line); }
-.bench .group .nicegui-expansion-content { padding: 0 .9rem .8rem; }
-.bench .item { width: 100%; border: 1px solid var(--line); border-radius: 4px; }
-.bench .head { width: 100%; min-width: 0; flex: 1; align-items: baseline; gap: .6rem; flex-wrap: nowrap; }
-.bench .q-btn { color: var(--mark); }
-.bench .q-btn.bg-primary { color: #15181b !important; }
-.bench .head .faint { overflow: hidden; text-overflow: ellipsis; white-space: nowrap; }
-.bench .name { font-weight: 600; white-space: nowrap; }
-.bench .fields { width: 100%; gap: .15rem; }
-.bench .table { width: 100%; gap: .15rem; margin-top: .6rem; padding-left: .7rem; border-left: 2px solid var(--line); }
-.bench .wide { width: 100%; }
-.bench .note { color: var(--faint); font-size: 11.5px; line-height: 1.3; margin: 0 0 .5rem .2rem; }
-.bench .wrong { color: var(--wrong) !important; }
-.bench .head .faint.wrong { white-space: normal; }
-.bench .problems { width: 100%; gap: .2rem; padding: .5rem .9rem; background: #3a211d; color: var(--wrong); border: 1px solid #693a31;
-  border-radius: 4px; }
-.bench .banner { padding: 1rem; }
-.bench .pictures { width: 100%; gap: .8rem; align-items: stretch; }
-.bench .card { background: var(--panel); border: 1px solid var(--line); border-radius: 4px; padding: .6rem .8rem; gap: .35rem; width: 100%;
-  min-width: 0; }
-.bench .two { flex: 1 1 420px; width: auto; }
-.bench .third { flex: 1 1 260px; width: auto; }
-.bench .picture { width: 100%; }
-.bench .picture.middle { display: flex; justify-content: center; }
-.bench .picture.old { opacity: .35; }
-.bench .text { width: 100%; }
-.bench .text pre { margin: 0; font: 12.5px/1.45 ui-monospace, "DejaVu Sans Mono", monospace; white-space: pre-wrap; max-height: 22rem;
-  overflow-y: auto; }
-.bench .command { border-top: 1px solid var(--line); padding-top: .25rem; align-items: center; }
-.bench .code { font: 12.5px ui-monospace, "DejaVu Sans Mono", monospace; user-select: all; overflow-x: auto; white-space: nowrap; }
-.bench .q-field--outlined .q-field__control:before { border-color: var(--line); }
-.bench .q-field__native::placeholder { color: #66717a; opacity: 1; }
-@media (max-width: 900px) { .bench .columns { grid-template-columns: minmax(0, 1fr); }
-  .bench .left { height: auto; position: static; border-right: 0; } }
-"""
+#: Style sheet of the page, and the script of its theme.
+_HEAD: Final = '<link rel="stylesheet" href="/static/workbench.css"><script src="/static/theme.js"></script>'
 
+_THEMES: Final = (
+    '<label>theme <select data-theme-choice><option value="">system</option><option value="light">light</option>'
+    '<option value="dark">dark</option></select></label>'
+)
 
 JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
 
@@ -169,36 +123,42 @@ def painter() -> Painter:
 
 def fill(path: str | Path | None = None) -> None:
     """Fill the current page with the workbench of a scenario file, or of a preset that is chosen on it."""
-    ui.add_css(CSS)
-    ui.colors(primary="#f0b54a", dark_page="#15181b")
+    ui.add_head_html(_HEAD)
+    ui.colors(primary="var(--mark)", dark="var(--panel)", dark_page="var(--ground)", on_mark="var(--on-mark)")
     ui.query("body").classes("bench")
+    with ui.row().classes("top"):
+        ui.label("seaglint").classes("mark")
+        head = ui.row().classes("grow choices")
+        # Outside of what a preset rebuilds: the script has set it to the theme that was chosen.
+        ui.html(_THEMES, sanitize=False)
     with ui.column().classes("whole") as whole:
-        _begin(whole, path)
+        _begin(head, whole, path)
 
 
-def _begin(whole: ui.column, path: str | Path | None, preset: str = "glint") -> None:
+def _begin(head: ui.row, whole: ui.column, path: str | Path | None, preset: str = "glint") -> None:
+    head.clear()
     whole.clear()
-    with whole:
-        try:
-            draft = Draft(path, preset)
-        except SeaglintError as error:
+    try:
+        draft = Draft(path, preset)
+    except SeaglintError as error:
+        with whole:
             ui.label(str(error)).classes("wrong banner")
-            return
-        bench = Bench(draft)
-        with ui.row().classes("top"):
-            ui.label("seaglint").classes("mark")
-            ui.label(draft.name if path is not None else "Scenario workbench").classes("faint grow")
-            if path is None:
-                words = {name: f"{name}: {chosen.title}" for name, chosen in PRESETS.items()}
+        return
+    bench = Bench(draft)
+    with head:
+        ui.label(draft.name if path is not None else "Scenario workbench").classes("faint grow")
+        if path is None:
+            words = {name: f"{name}: {chosen.title}" for name, chosen in PRESETS.items()}
 
-                def choose(name: str) -> None:
-                    bench.close()
-                    _begin(whole, None, name)
+            def choose(name: str) -> None:
+                bench.close()
+                _begin(head, whole, None, name)
 
-                ui.select(words, label="begin with a preset", value=preset, on_change=lambda e: choose(str(e.value))).props(
-                    "dense outlined options-dense data-key=preset"
-                ).classes("presets")
-            bench.status = ui.label("").classes("faint status").props("data-status")
+            ui.select(words, label="begin with a preset", value=preset, on_change=lambda e: choose(str(e.value))).props(
+                "dense outlined options-dense data-key=preset"
+            ).classes("presets")
+        bench.status = ui.label("").classes("faint status").props("data-status")
+    with whole:
         bench.build()
     ui.context.client.on_delete(bench.close)
 
@@ -244,26 +204,26 @@ class Bench:
 
     def _map(self, job: Job) -> tuple[ui.html, ui.label]:
         with ui.column().classes("card two"):
-            with ui.row().classes("head"):
-                ui.label(_TITLES[job]).classes("name")
-                words = ui.label("").classes("faint grow").props(f'data-words="{job}"')
+            with ui.row().classes("head title"):
+                ui.label(_TITLES[job]).classes("name grow")
                 if job == "mean":
                     ui.toggle(
-                        {"radiance": "radiance", "apparent_temperature": "temperature"},
+                        {"radiance": "radiance", "apparent_temperature": "apparent temperature"},
                         value="radiance",
                         on_change=lambda e: self._of(e.value),
-                    ).props("dense no-caps unelevated size=sm")
-            return ui.html("", sanitize=False).classes("picture").props(f'data-picture="{job}"'), words
+                    ).props("dense no-caps unelevated size=sm toggle-text-color=on-mark data-do=quantity")
+            picture = ui.html("", sanitize=False).classes("picture").props(f'data-picture="{job}"')
+            return picture, ui.label("").classes("faint").props(f'data-words="{job}"')
 
     def _around(self) -> None:
         with ui.column().classes("card third"):
             ui.label("Wind, Sun and view").classes("name")
             self._compass = ui.html("", sanitize=False).classes("picture middle").props("data-picture=compass")
-            self._facts = ui.label("").classes("faint lines")
+            self._facts = ui.label("").classes("faint lines").props("data-words=facts")
         with ui.column().classes("card third"):
             with ui.row().classes("head"):
                 ui.label("Plan").classes("name grow")
-                ui.switch("to the horizon", on_change=lambda e: self._far(bool(e.value))).props("dense")
+                ui.switch("show up to the horizon", on_change=lambda e: self._far(bool(e.value))).props("dense")
             self._map_above = ui.html("", sanitize=False).classes("picture").props("data-picture=plan")
         with ui.column().classes("card third"):
             ui.label("The Sun's day").classes("name")
@@ -351,14 +311,14 @@ class Bench:
         self._compass.content = compass(scenario, view.sun, view.azimuth)
         zenith, azimuth = math.degrees(view.sun.zenith), math.degrees(view.sun.azimuth) % 360
         facts = [
-            f"wind {scenario.wind.speed_m_s:g} m/s from {scenario.wind.from_deg:g}°",
-            f"Sun: elevation {90 - zenith:.1f}°, azimuth {azimuth:.1f}°",
-            f"view: azimuth {view.azimuth % 360:g}°, elevation {scenario.sensor.elevation_deg:g}°",
+            f"wind {scenario.wind.speed_m_s:.1f} m/s from {scenario.wind.from_deg % 360:.1f}°",
+            f"Sun: elevation {90 - zenith:.1f}°, azimuth {azimuth:.1f}°".replace("-", "\u2212"),
+            f"view: azimuth {view.azimuth % 360:.1f}°, elevation {scenario.sensor.elevation_deg:.1f}°".replace("-", "\u2212"),
             f"horizon at {distance(view.horizon)}",
         ]
         self._facts.set_text("\n".join(facts))
         self._map_above.content = plan_svg(view, whole=self._whole)
-        self._daylight.show(view.sun if scenario.time is not None else None)
+        self._daylight.show()
 
     def _far(self, whole: bool) -> None:
         self._whole = whole
@@ -383,7 +343,9 @@ class Bench:
         else:
             self._pictures[job] = result
             columns, rows = result.radiance.shape[::-1]
-            words.set_text(f"{columns} x {rows} of {result.pixels[0]} x {result.pixels[1]} pixels, {result.seconds:.1f} s")
+            words.set_text(
+                f"{columns} x {rows} pixels for {result.pixels[0]} x {result.pixels[1]} of the scenario, computed in {result.seconds:.1f} s"
+            )
             words.classes(remove="wrong")
             picture.classes(remove="old")
             picture.content = map_svg(result, self._quantity, _TITLES[job])
@@ -397,7 +359,9 @@ class Bench:
                 ui.label(mistake.text)
         for picture, _ in self._maps.values():
             picture.classes(add="old") if mistakes else picture.classes(remove="old")
-        self.status.set_text(f"{len(mistakes)} to correct" if mistakes else "valid")
+        self.status.set_text(
+            f"{len(mistakes)} {'error' if len(mistakes) == 1 else 'errors'} to correct" if mistakes else "the scenario is valid"
+        )
 
     async def _ask(self) -> None:
         """Require a confirmation before the file is replaced."""
@@ -410,7 +374,7 @@ class Bench:
         with ui.dialog() as dialog, ui.card():
             ui.label(f"Replace {self._draft.name}? {lost}{other}")
             with ui.row():
-                ui.button("replace", on_click=lambda: dialog.submit(True)).props("no-caps data-do=replace")
+                ui.button("replace", on_click=lambda: dialog.submit(True)).props("no-caps text-color=on-mark data-do=replace")
                 ui.button("keep the file", on_click=lambda: dialog.submit(False)).props("flat no-caps")
 
         if not await dialog:

@@ -190,6 +190,7 @@ class Form:
                     f"{mark} stack-label"
                 )
                 widget.props["placeholder"] = entry.placeholder
+                widget.props["suffix"] = self._celsius(entry, keys)
         widget.classes("wide")
         self._widgets[keys] = widget
         self._note(keys, entry.hint + (f"; of {', '.join(map(str, entry.choices))}" if entry.kind == "list" and entry.choices else ""))
@@ -197,7 +198,15 @@ class Form:
     def _take(self, entry: Field, keys: Keys, text: str) -> None:
         self._typed[keys] = text
         self._draft.take(entry, keys, text)
+        self._widgets[keys].props["suffix"] = self._celsius(entry, keys)
         self._changed()
+
+    def _celsius(self, entry: Field, keys: Keys) -> str:
+        """Return the temperature of a field in degrees Celsius; nothing for other fields, and for a temperature with a unit of its own."""
+        value = entry.default if self._draft.get(keys) is None else self._draft.get(keys)
+        if not entry.name.endswith("temperature_k") or not isinstance(value, int | float):
+            return ""
+        return f"= {value - 273.15:.2f} °C".replace("-", "\u2212")
 
     def _note(self, keys: Keys, hint: str) -> None:
         label = ui.label(hint).classes("note").props(f'data-note="{dotted(keys)}"')

@@ -13,13 +13,15 @@ import numpy as np
 from nicegui import background_tasks, ui
 
 from seaglint.base.conventions import FloatArray
-from seaglint.scenario.sun import SunPosition
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.records.small_tables import Place, Time
+from seaglint.scenario.sun import dated_sun, sun_position
 from seaglint.scenario.text.display import SUN
 from seaglint.viewer.workbench.scenario_draft import Draft, Keys
 
 STEP: Final = 10  #: Time between two points of the course [min].
 
-_WIDTH, _HEIGHT, _LEFT, _TOP = 420.0, 150.0, 34.0, 8.0
+_WIDTH, _HEIGHT, _LEFT, _TOP = 300.0, 140.0, 34.0, 8.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +112,22 @@ def day_svg(day: Day, minutes: float) -> str:
     )
 
 
-#: Initial time and place of the slider: off the coast of Virginia, in the season of the article.
-_BEGIN = ("2026-06-21T17:30:00Z", 36.8, -75.9)
+def dated(scenario: Scenario) -> tuple[Scenario, str]:
+    """Return a scenario whose Sun comes from a date and a place (:func:`~seaglint.scenario.sun.dated_sun`), and a line on what differs."""
+    given = sun_position(scenario)
+    moment, latitude, longitude = dated_sun(given.zenith, given.azimuth)
+    place = Place(latitude_deg=latitude, longitude_deg=longitude)
+    changed = scenario.model_copy(update={"sun": None, "time": Time(utc=moment), "place": place})
+    found = sun_position(changed)
+    # The haversine formula has no cancellation at small angles.
+    half = math.sin(0.5 * (found.zenith - given.zenith)) ** 2
+    half += math.sin(given.zenith) * math.sin(found.zenith) * math.sin(0.5 * (found.azimuth - given.azimuth)) ** 2
+    angle = math.degrees(2.0 * math.asin(math.sqrt(half)))
+    light = 100.0 * (found.irradiance_factor / given.irradiance_factor - 1.0)
+    return changed, (
+        f"The Sun differs by {angle:.3f}° from the given angles; by its distance of {found.distance_au:.3f} au on this date "
+        f"its irradiance is {abs(light):.1f} % {'higher' if light > 0 else 'lower'}."
+    )
 
 
 class Daylight:
@@ -119,7 +135,8 @@ class Daylight:
 
     def __init__(self, draft: Draft, changed: Callable[[Keys], None], rebuilt: Callable[[], None]) -> None:
         self._draft, self._changed, self._rebuilt = draft, changed, rebuilt
-        self._sun: SunPosition | None = None
+        self._difference = ""
+        self._found = draft.snapshot()
         self._day: Day | None = None
         self._known: tuple[date, float, float] | None = None
         self._box = ui.column().classes("fields")
@@ -140,31 +157,54 @@ class Daylight:
         with self._box:
             moment = self._moment()
             if moment is None:
-                ui.label("The Sun's angles are given. By time and place its course over the day is shown here.").classes("faint")
+                words = (
+                    "The Sun's angles are given. A date and a place with this Sun can be found; its course over the day is then shown here."
+                )
+                ui.label(words).classes("faint")
                 ui.button("Sun by time and place", icon="schedule", on_click=self._by_time).props("flat dense no-caps data-do=by-time")
                 return
             picture = ui.html("", sanitize=False).classes("picture")
             minutes = moment.hour * 60 + moment.minute
-            slider = ui.slider(min=0, max=1435, step=5, value=minutes, on_change=lambda e: self._slid(int(e.value))).props(
+            slider = ui.slider(min=0, max=1439, step=1, value=minutes, on_change=lambda e: self._slid(int(e.value))).props(
                 "dense data-do=day aria-label='time of the day, UTC'"
             )
-            words = ui.label("").classes("faint")
+            course = ui.label("").classes("faint").props("data-words=day")
+            if self._difference:
+                ui.label(self._difference).classes("faint").props("data-words=difference")
             ui.button("Sun by its angles", icon="wb_sunny", on_click=self._by_angles).props("flat dense no-caps data-do=by-angles")
-            self._parts = picture, slider, words
+            self._parts = picture, slider, course
 
-    def _by_time(self) -> None:
+    async def _valid(self) -> Scenario | None:
+        """Return the scenario of the draft; where it is not valid, say so and return None."""
+        scenario, _ = await asyncio.to_thread(self._draft.snapshot().check)
+        if scenario is None or (scenario.sun is None and scenario.time is None):
+            ui.notify("the Sun of this scenario is not known: correct the scenario first, and give one Sun", type="negative")
+            return None
+        return scenario
+
+    async def _by_time(self) -> None:
+        scenario = await self._valid()
+        if scenario is None:
+            return
+        changed, self._difference = await asyncio.to_thread(dated, scenario)
+        assert changed.time is not None
+        assert changed.place is not None
         self._draft.put(("sun",), None)
-        for keys, value in zip((("time", "utc"), ("place", "latitude_deg"), ("place", "longitude_deg")), _BEGIN, strict=True):
-            self._draft.put(keys, value)
+        self._draft.put(("time",), {"utc": f"{changed.time.utc:%Y-%m-%dT%H:%M:%SZ}"})
+        self._draft.put(("place",), changed.place.model_dump())
+        self._found = self._draft.snapshot()
         self._build()
         self._rebuilt()
 
-    def _by_angles(self) -> None:
+    async def _by_angles(self) -> None:
+        scenario = await self._valid()
+        if scenario is None:
+            return
+        sun = await asyncio.to_thread(sun_position, scenario)
         for key in ("time", "place"):
             self._draft.put((key,), None)
-        if self._sun is not None:
-            zenith, azimuth = (round(math.degrees(angle), 2) for angle in (self._sun.zenith, self._sun.azimuth))
-            self._draft.put(("sun",), {"zenith_deg": zenith, "azimuth_deg": azimuth})
+        zenith, azimuth = (round(math.degrees(angle), 2) for angle in (sun.zenith, sun.azimuth))
+        self._draft.put(("sun",), {"zenith_deg": zenith, "azimuth_deg": azimuth})
         self._build()
         self._rebuilt()
 
@@ -176,21 +216,22 @@ class Daylight:
         self._draw(minutes)
         self._changed(("time", "utc"))
 
-    def show(self, sun: SunPosition | None) -> None:
-        """Show the Sun of a valid scenario."""
-        self._sun = sun
+    def show(self) -> None:
+        """Show the Sun's day of a valid scenario."""
         moment = self._moment()
-        if (moment is not None) != (self._parts is not None):
+        # The line on the difference is true for the time and place that were found, not for later ones.
+        old = bool(self._difference) and any(self._draft.get((key,)) != self._found.get((key,)) for key in ("time", "place"))
+        if old:
+            self._difference = ""
+        if old or (moment is not None) != (self._parts is not None):
             self._build()
         if moment is None or self._parts is None:
             return
-        self._parts[1].set_value(moment.hour * 60 + moment.minute // 5 * 5)
+        self._parts[1].set_value(moment.hour * 60 + moment.minute)
         background_tasks.create(self._follow(moment))
 
     async def _follow(self, moment: datetime) -> None:
         """Compute the day again if date or place have changed, and draw it."""
-        from seaglint.scenario.records.small_tables import Place
-
         place = Place.model_validate(self._draft.get(("place",)))
         requested = (moment.date(), place.latitude_deg, place.longitude_deg)
         if requested != self._known:

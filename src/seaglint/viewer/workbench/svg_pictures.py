@@ -20,7 +20,7 @@ from seaglint.base.brightness import Scale, eight_bit
 from seaglint.base.conventions import FloatArray, horizon_range, surface_range
 from seaglint.base.representation import rounded
 from seaglint.base.schema import VARIABLES
-from seaglint.plot.scale import round_ticks, scale_of, tick_labels
+from seaglint.plot.scale import round_ticks, scale_of
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.scenario.text.display import SUN, VIEW
@@ -30,8 +30,10 @@ from seaglint.viewer.workbench.small_pictures import PreviewPicture
 
 Quantity = Literal["radiance", "apparent_temperature"]
 
-_WIDTH, _LEFT, _RIGHT, _TOP, _BOTTOM = 620.0, 52.0, 92.0, 8.0, 40.0
-_LOW, _HIGH = 120.0, 420.0  # least and greatest height of the image in the picture
+# As wide as the picture on a page of usual width, so that its text has the size of the page's text.
+_WIDTH, _LEFT, _TOP, _BOTTOM = 480.0, 52.0, 8.0, 40.0
+_RIGHT: Final[dict[Quantity, float]] = {"radiance": 92.0, "apparent_temperature": 128.0}
+_LOW, _HIGH = 100.0, 320.0  # least and greatest height of the image in the picture
 
 
 def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
@@ -41,7 +43,7 @@ def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str
     # Radiance decides for both pictures whether the sky goes beyond the scale.
     scale = scale_of(values, depression=picture.depression if (own.low, own.high) != (whole.low, whole.high) else None)
     rows, columns = values.shape
-    width = _WIDTH - _LEFT - _RIGHT
+    width = _WIDTH - _LEFT - _RIGHT[quantity]
     x, y, names = _axes(picture)
     shape = abs((y[1] - y[0]) / (x[1] - x[0]))
     height = min(max(width * shape, _LOW), _HIGH)
@@ -60,7 +62,7 @@ def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str
         f'<text x="13" y="{middle:.1f}" text-anchor="middle" transform="rotate(-90 13 {middle:.1f})">{names[1]}</text>',
         *_bar(scale, quantity, _LEFT + width + 12, height),
     ]
-    size = f"{_LEFT + width + _RIGHT:.0f} {_TOP + height + _BOTTOM:.0f}"
+    size = f"{_LEFT + width + _RIGHT[quantity]:.0f} {_TOP + height + _BOTTOM:.0f}"
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size}" width="100%" role="img" '
         f'aria-label="{title}: {VARIABLES[quantity].long_name}" font-family="system-ui, sans-serif" '
@@ -114,13 +116,28 @@ def _bar(scale: Scale, quantity: Quantity, left: float, height: float) -> Iterat
         shown, labels = scale.share(ticks), [rounded(tick, 9) for tick in ticks]
     else:
         shown = np.linspace(0.0, 1.0, 5)
-        labels = tick_labels(scale.value(shown), 4 if quantity == "apparent_temperature" else 3)
+        labels = alike(scale.value(shown))
+    if quantity == "apparent_temperature":
+        kelvin = scale.value(np.asarray(shown))
+        labels = [f"{label} ({text})" for label, text in zip(labels, alike(kelvin - 273.15), strict=True)]
     for share, label in zip(shown, labels, strict=True):
         y = min(max(_TOP + height * (1.0 - share), _TOP + 5), _TOP + height - 5)
         yield f'<text x="{left + 17:.1f}" y="{y:.1f}" dominant-baseline="central">{label}</text>'
-    unit, x, y = VARIABLES[quantity].symbol or VARIABLES[quantity].units, left + 68, _TOP + height / 2
+    unit, x, y = VARIABLES[quantity].symbol or VARIABLES[quantity].units, left + _RIGHT[quantity] - 24, _TOP + height / 2
+    unit += " (°C)" if quantity == "apparent_temperature" else ""
     unit += ", log" if scale.logarithmic else ""
     yield f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle" transform="rotate(-90 {x:.1f} {y:.1f})">{unit}</text>'
+
+
+def alike(values: FloatArray) -> list[str]:
+    """Return numbers of one scale as text, all with as many decimals as two digits of a quarter of its length need.
+
+    >>> alike(np.array([1.35, 7.6812, 14.0])), alike(np.array([281.2, 281.9]))
+    (['1.4', '7.7', '14.0'], ['281.20', '281.90'])
+    """
+    length = float(np.ptp(values))
+    decimals = min(max(1 - math.floor(math.log10(length / 4.0)), 0), 9) if length > 0.0 else 1
+    return [f"{value:.{decimals}f}".replace("-", "\u2212") for value in values]
 
 
 def _colours(quantity: Quantity) -> NDArray[np.uint8]:
@@ -144,7 +161,7 @@ def _png(share: NDArray[Any], colours: NDArray[np.uint8]) -> str:
 
 _TIMES: Final = 41  #: Number of points along a track.
 
-_SIZE, _RADIUS = 420.0, 186.0
+_SIZE, _RADIUS = 320.0, 134.0
 
 _COLOURS: Final = ("#e4572e", "#a06cd5", "#2e9e9e", "#d1495b", "#7a9e3f", "#c77d2a", "#4f7cac", "#b0578d")
 
@@ -250,10 +267,10 @@ def _pieces(view: PlanView, far: float) -> Iterator[str]:
     if view.horizon <= far:
         r = _RADIUS * view.horizon / far
         yield f'<circle class="horizon" cx="{middle:g}" cy="{middle:g}" r="{r:.1f}" fill="none" stroke="{VIEW}" stroke-dasharray="6 4"/>'
-        place = _polar(135.0, r + 4)
-        yield f'<text x="{place.split(",")[0]}" y="{place.split(",")[1]}" fill="{VIEW}">horizon {distance(view.horizon)}</text>'
+        # In the corner, which no circle reaches.
+        yield f'<text x="{_SIZE - 3:g}" y="{_SIZE - 5:g}" text-anchor="end">horizon {distance(view.horizon)}</text>'
     for azimuth, name in ((0, "N"), (90, "E"), (180, "S"), (270, "W")):
-        x, y = _polar(azimuth, _RADIUS + 14).split(",")
+        x, y = _polar(azimuth, _RADIUS + 13).split(",")
         yield f'<text x="{x}" y="{y}" text-anchor="middle" dominant-baseline="central" font-weight="600">{name}</text>'
     if view.sun.zenith < 0.5 * math.pi:
         x, y = _polar(math.degrees(view.sun.azimuth), _RADIUS).split(",")
@@ -301,4 +318,4 @@ def _name(place: tuple[float, float], name: str, colour: str, used: list[tuple[f
     text = escape(name if len(name) < 24 else f"{name[:22]}…")
     at, anchor = (x - 52.0, ' text-anchor="end"') if x > _SIZE - 100.0 else (x, "")
     leader = f'<path d="M{place[0]:.1f},{place[1]:.1f}L{at:.1f},{y:.1f}" stroke="{colour}" stroke-opacity=".7"/>'
-    return f'{leader}<text x="{at:.1f}" y="{y:.1f}" fill="{colour}" dominant-baseline="central"{anchor}>{text}</text>'
+    return f'{leader}<text x="{at:.1f}" y="{y:.1f}" dominant-baseline="central"{anchor}>{text}</text>'

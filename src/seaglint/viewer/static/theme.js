@@ -1,0 +1,22 @@
+// Theme of the workbench: the system's, or the one chosen, which the viewer of sequences shares.
+const NAME = "seaglint-theme";
+
+function apply(theme) {
+  if (theme) document.documentElement.dataset.theme = theme; else delete document.documentElement.dataset.theme;
+  window.Quasar?.Dark.set(theme ? theme === "dark" : "auto");
+}
+
+function chosen() {
+  try { return localStorage.getItem(NAME) || ""; } catch { return ""; /* storage may be forbidden */ }
+}
+
+apply(chosen());  // before anything is drawn
+window.addEventListener("load", () => {
+  document.querySelector("[data-theme-choice]").value = chosen();
+  apply(chosen());  // Quasar is there now
+});
+document.addEventListener("change", (event) => {
+  if (!event.target.matches("[data-theme-choice]")) return;
+  try { localStorage.setItem(NAME, event.target.value); } catch { /* storage may be forbidden */ }
+  apply(event.target.value);
+});
