@@ -3,13 +3,14 @@
 ``<!-- include -->`` before a link alone on its line shows the file in the place of the link: another page whole, or with a language
 (``<!-- include toml -->``) a block of code. Links between ``<!-- toctree -->`` and ``<!-- end toctree -->`` become the list of pages: each
 line ``**Caption**: [title](page.md), ...`` a hidden one, list items one that is shown. The table of rooms becomes the
-index of the reference.
+index of the reference. ``<!-- video -->`` before a picture that leads to a video shows the video, with the picture until it plays.
 Names such as ```seaglint.api.mean``` lead to their documentation.
 """
 
 from __future__ import annotations
 
 import re
+from html import escape
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 INCLUDE = re.compile(r"^<!-- include(?: (?P<language>\w+))? -->\n\[(?P<title>[^\]]*)\]\((?P<path>[^)]*)\)$", re.MULTILINE)
 TOCTREE = re.compile(r"^<!-- toctree -->\n(?P<body>.*?)^<!-- end toctree -->$", re.DOTALL | re.MULTILINE)
 ROOMS = re.compile(r"^<!-- begin rooms -->\n(?P<body>.*?)^<!-- end rooms -->$", re.DOTALL | re.MULTILINE)
+VIDEO = re.compile(r"^<!-- video -->\n\[!\[(?P<words>[^\]]*)\]\((?P<poster>[^)]*)\)\]\((?P<path>[^)]*)\)$", re.MULTILINE)
 PAGE = re.compile(r"\]\(([\w./-]+)\.md\)")
 MODULE = re.compile(r"`(seaglint\.\w+)`")
 FENCE = re.compile(r"^(?P<fence>```+|~~~+).*?^(?P=fence)[ ]*$", re.DOTALL | re.MULTILINE)
@@ -56,6 +58,15 @@ def indexed(match: re.Match[str]) -> str:
     return "\n".join(("```{eval-rst}", ".. autosummary::", "   :toctree: generated", "", *rows, "```"))
 
 
+def played(match: re.Match[str]) -> str:
+    """Return a video that is read when it is played; where a browser cannot play it, a link."""
+    words, poster, path = (escape(match[name]) for name in ("words", "poster", "path"))
+    return (
+        f'<video controls muted loop playsinline preload="none" poster="{poster}" aria-label="{words}">'
+        f'<source src="{path}" type="video/mp4"><a href="{path}">{words}</a></video>'
+    )
+
+
 def linked(text: str) -> str:
     """Return a page with links from names of the package to their documentation, outside of blocks of code."""
     pieces, end = [], 0
@@ -67,7 +78,7 @@ def linked(text: str) -> str:
 
 def built(text: str) -> str:
     """Return a page as Sphinx reads it."""
-    return ROOMS.sub(indexed, TOCTREE.sub(listed, INCLUDE.sub(included, linked(text))))
+    return ROOMS.sub(indexed, TOCTREE.sub(listed, VIDEO.sub(played, INCLUDE.sub(included, linked(text)))))
 
 
 def read(app: Sphinx, name: str, source: list[str]) -> None:
