@@ -43,7 +43,7 @@ html_show_search_summary = False  # each would read its whole page, and from a d
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
 myst_html_meta = {
-    "description": "What an infrared camera sees at sea: calibrated image sequences, glint, clutter, detector counts and detection ranges.",
+    "description": "What an infrared camera sees at sea: calibrated image sequences, glint, clutter, detector counts and detection ranges."
 }
 
 autosummary_generate = False  # reference.py writes the pages

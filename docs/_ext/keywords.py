@@ -2,38 +2,41 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from pathlib import Path
+from typing import Any
 
+from docutils import nodes
+from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.errors import ConfigError
+from sphinx.transforms import SphinxTransform
 
-DOCS = Path(__file__).resolve().parents[1]
-KEYWORDS: dict[str, list[str]] = tomllib.loads((DOCS / "keywords.toml").read_text(encoding="utf-8"))
-TITLE = re.compile(r"^# .*$", re.MULTILINE)
-
-
-def indexed(text: str, words: list[str]) -> str:
-    """Return a page of Markdown with its keywords below the title."""
-    entries = ", ".join(f"! {word}" for word in words)  # main entries: the search lists others after all results
-    return TITLE.sub(lambda title: f"{title[0]}\n\n```{{index}} {entries}\n```", text, count=1)
+KEYWORDS = Path(__file__).resolve().parents[1] / "keywords.toml"
 
 
-def read(app: Sphinx, name: str, source: list[str]) -> None:
-    """Add the keywords of a page before it is parsed."""
-    if words := KEYWORDS.get(name):
-        source[0] = indexed(source[0], words)
+class Keywords(SphinxTransform):
+    """Add the keywords of a page as main entries that lead to its title; the search lists other entries after all results."""
+
+    default_priority = 800  # domains collect entries at 850
+
+    def apply(self, **options: Any) -> None:
+        """Insert the entries before the text of the page."""
+        words = self.config.page_keywords.get(self.env.docname, [])
+        section = next(self.document.findall(nodes.section), None)
+        if words and section is not None:
+            section.insert(1, addnodes.index(entries=[("single", word, section["ids"][0], "main", None) for word in words]))
 
 
-def check(app: Sphinx) -> None:
+def check(app: Sphinx, env: Any, names: list[str]) -> None:
     """Refuse keywords of a page that does not exist."""
-    if unknown := sorted(name for name in KEYWORDS if not (DOCS / f"{name}.md").exists()):
+    if unknown := sorted(set(app.config.page_keywords) - env.found_docs):
         raise ConfigError(f"docs/keywords.toml: no page {', '.join(unknown)}; name a page below docs without its ending")
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Connect to the reading of pages."""
-    app.connect("builder-inited", check)
-    app.connect("source-read", read)
+    """Add the keywords as a setting, so that a change reads pages anew."""
+    app.add_config_value("page_keywords", tomllib.loads(KEYWORDS.read_text(encoding="utf-8")), "env", frozenset({dict}))
+    app.add_transform(Keywords)
+    app.connect("env-before-read-docs", check)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -15,8 +15,10 @@ from docutils import nodes
 from sphinx import addnodes
 from sphinx.application import Sphinx
 
-
-SHELF = re.compile(r'<p class="caption" role="heading"><span class="caption-text">(?P<title>.*?)</span></p>\s*(?P<pages><ul.*?</ul>)(?=\s*(?:<p |$))', re.DOTALL)
+SHELF = re.compile(
+    r'<p class="caption" role="heading"><span class="caption-text">(?P<title>.*?)</span></p>\s*(?P<pages><ul.*?</ul>)(?=\s*(?:<p |$))',
+    re.DOTALL,
+)
 """A caption and the pages below it, up to the next caption."""
 
 
