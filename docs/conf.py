@@ -20,7 +20,8 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.intersphinx",
-    "sphinx.ext.mathjax",
+    "keywords",
+    "mathml",
     "numpydoc_once",
     "sphinx_design",
     "plain_pages",
@@ -33,10 +34,18 @@ html_theme = "furo"
 html_title = f"seaglint {release}"
 html_copy_source = False
 html_static_path = ["_static"]
-html_css_files = ["phone.css"]
+html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
+html_logo = html_favicon = "_static/logo.svg"
+html_math_renderer = "mathml"
+html_search_scorer = str(Path(__file__).parent / "_ext" / "search_scorer.js")
+html_show_search_summary = False  # each would read its whole page, and from a disk browsers refuse to
 
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
+myst_html_meta = {
+    "description": "What an infrared camera sees at sea: calibrated image sequences, glint, clutter, detector counts and detection ranges."
+}
 
 nitpicky = True  # a role that leads nowhere is an error
 # The names that the reference uses, without a network: tools/inventories.py.

@@ -3,12 +3,14 @@
 ``<!-- include -->`` before a link alone on its line shows the file in the place of the link: another page whole, or with a language
 (``<!-- include toml -->``) a block of code. Links between ``<!-- toctree -->`` and ``<!-- end toctree -->`` become the list of pages: each
 line ``**Caption**: [title](page.md), ...`` a hidden one, list items one that is shown. Behind each table of the reference comes the list
-of its pages. Public names such as ```sg.mean``` lead to their documentation.
+of its pages. ``<!-- video -->`` before a picture that leads to a video shows the video, with the picture until it plays. Public names such
+as ```sg.mean``` lead to their documentation.
 """
 
 from __future__ import annotations
 
 import re
+from html import escape
 from typing import TYPE_CHECKING
 
 from reference import target_of
@@ -21,6 +23,7 @@ TOCTREE = re.compile(r"^<!-- toctree -->\n(?P<body>.*?)^<!-- end toctree -->$", 
 SHELF = re.compile(r"^<!-- end (?P<name>functions|records|physics) -->$", re.MULTILINE)
 SHELVES = {"functions": ("sg.*",), "records": ("records.*", "scenario.*"), "physics": ("physics.*",)}
 """Generated pages behind the tables of the reference."""
+VIDEO = re.compile(r"^<!-- video -->\n\[!\[(?P<words>[^\]]*)\]\((?P<poster>[^)]*)\)\]\((?P<path>[^)]*)\)$", re.MULTILINE)
 PAGE = re.compile(r"\]\(([\w./-]+)\.md\)")
 FENCE = re.compile(r"^(?P<fence>```+|~~~+).*?^(?P=fence)[ ]*$", re.DOTALL | re.MULTILINE)
 NAME = re.compile(r"(?<![`\[}\w])`((?:seaglint|sg)(?:\.\w+)+)`(?!`)")
@@ -63,6 +66,15 @@ def named(match: re.Match[str]) -> str:
     return f"{{py:obj}}`{match[1]} <{target}>`" if target else match[0]
 
 
+def played(match: re.Match[str]) -> str:
+    """Return a video that is read when it is played; where a browser cannot play it, a link."""
+    words, poster, path = (escape(match[name]) for name in ("words", "poster", "path"))
+    return (
+        f'<video controls muted loop playsinline preload="none" poster="{poster}" aria-label="{words}">'
+        f'<source src="{path}" type="video/mp4"><a href="{path}">{words}</a></video>'
+    )
+
+
 def linked(text: str) -> str:
     """Return a page with links from public names to their documentation, outside of blocks of code."""
     pieces, end = [], 0
@@ -74,7 +86,7 @@ def linked(text: str) -> str:
 
 def built(text: str) -> str:
     """Return a page as Sphinx reads it."""
-    return SHELF.sub(shelved, TOCTREE.sub(listed, INCLUDE.sub(included, linked(text))))
+    return SHELF.sub(shelved, TOCTREE.sub(listed, VIDEO.sub(played, INCLUDE.sub(included, linked(text)))))
 
 
 def read(app: Sphinx, name: str, source: list[str]) -> None:

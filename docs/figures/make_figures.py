@@ -8,10 +8,13 @@
 ``near_horizon.png`` that of ``docs/data/near_horizon.csv``, ``clutter_*.png`` pictures of ``seaglint analyze --report`` of the demo's four
 seconds (which take some minutes to render), ``likelihood_regions.png`` glint in three regions of the sea, ``dataset_examples.png`` the
 sheet of a data set of the first 18 scenes of ``examples/small-objects.toml`` (some minutes). Those above 300 kB are reduced to 256 colours.
+
+``video`` makes the first page's ten seconds of the demo (some minutes): ``docs/_static/demo.mp4`` with its picture ``demo.jpg``.
 """
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -32,6 +35,9 @@ IMAGES = ROOT / "docs" / "images"
 CLUTTER = ("regions", "rates", "exceedances", "slices", "histograms")
 LARGE = 300_000
 """Bytes above which a picture is reduced."""
+VIDEO = ROOT / "docs" / "_static" / "demo.mp4"
+VIDEO_FRAMES = 250
+"""Frames of the video: ten seconds."""
 SCENES = 18
 """Scenes of the sheet of a data set."""
 
@@ -130,6 +136,25 @@ def dataset_examples(folder: Path) -> Path:
     return made / "examples.png"
 
 
+def video(folder: Path) -> None:
+    """Video of ten seconds of the demo, compressed for a page of the web, and its middle frame."""
+    import av
+
+    scenario = folder / "video.toml"
+    scenario.write_text(re.sub(r"^frames = .*", f"frames = {VIDEO_FRAMES}", SCENARIO.read_text(encoding="utf-8"), flags=re.MULTILINE))
+    seaglint("render", scenario, "-o", folder / "video.zarr", "--preview")
+    with av.open(str(folder / "video.mp4")) as preview, av.open(str(VIDEO), "w", options={"movflags": "faststart"}) as output:
+        source = preview.streams.video[0]
+        stream = output.add_stream("libx264", rate=source.average_rate)
+        stream.width, stream.height, stream.pix_fmt = source.width, source.height, "yuv420p"
+        stream.options = {"crf": "32", "preset": "slow"}  # 1.2 MB; previews are of crf 18 and 9.7 MB
+        for number, frame in enumerate(preview.decode(source)):
+            if number == VIDEO_FRAMES // 2:
+                frame.to_image().save(VIDEO.with_suffix(".jpg"), quality=80, optimize=True)
+            output.mux(stream.encode(av.VideoFrame.from_image(frame.to_image())))
+        output.mux(stream.encode())
+
+
 def slim(path: Path) -> None:
     """Reduce a large PNG to 256 colours, without dithering, where that makes it smaller."""
     if (before := path.stat().st_size) > LARGE:
@@ -150,11 +175,14 @@ def main(names: list[str]) -> None:
         | {name: partial(figure, name) for name in ("fig2", "fig3", "fig4", "fig10", "fig12", "measured")}
     )
     pictures |= {f"clutter_{name}": partial(clutter, name) for name in CLUTTER}
-    if unknown := set(names) - set(pictures):
-        sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(pictures)}")
+    if unknown := set(names) - {*pictures, "video"}:
+        sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join((*pictures, 'video'))}")
     IMAGES.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
-        for name in names or pictures:
+        for name in names or (*pictures, "video"):
+            if name == "video":
+                video(Path(folder))
+                continue
             shutil.copy(pictures[name](Path(folder)), IMAGES / f"{name}.png")
             slim(IMAGES / f"{name}.png")
     for picture in sorted(IMAGES.glob("*.png")):

@@ -132,6 +132,7 @@ def test_what_an_entry_names_is_there(table: tables.Table) -> None:
 def test_every_picture_and_file_of_numbers_has_a_table() -> None:
     made = [path for table in tables.tables().values() for place in table.makes if "#" not in place for path in tables.ROOT.glob(place)]
     there = [path for folder in ("images", "data") for path in (tables.ROOT / "docs" / folder).rglob("*") if path.is_file()]
+    there += [path for path in (tables.ROOT / "docs" / "_static").iterdir() if path.suffix not in (".css", ".js", ".svg")]
     assert set(there) - {tables.MADE} == set(made)
 
 
