@@ -13,7 +13,7 @@ import pytest
 from typer.main import get_command
 
 import page_tables
-from run_docs import Block, alike, blocks, commands, matches, run
+from run_docs import Block, PageError, alike, blocks, commands, matches, run
 from seaglint.cli.app import app
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -40,6 +40,9 @@ RUN_LONG = [
     "docs/guide/textures.md",
 ]
 """The same, with the long comparisons."""
+
+WIDEST = 88
+"""Columns of a line of code."""
 
 MOST_BYTES = 2_000_000
 """Of a page with its pictures."""
@@ -163,9 +166,7 @@ def test_one_visitor_follows_the_readme_and_the_tour(tmp_path: Path, monkeypatch
 
 def asks_to_run(block: Block) -> bool:
     """Whether a reader would type it."""
-    return block.kind in ("python", "sh", "console") or (
-        block.kind == "" and bool(re.search(r"^(\$ )?(seaglint|\./run) ", block.body, re.M))
-    )
+    return block.kind in ("python", "sh") or (block.kind == "" and bool(re.search(r"^(seaglint|\./run) ", block.body, re.M)))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
@@ -176,7 +177,7 @@ def test_blocks_run_or_say_why_not(page: Path) -> None:
     if name in (*RUN_HERE, *RUN_LONG):
         runs = {"python"}
     if page in TUTORIALS or name in VISITED:
-        runs = {"python", "sh", "console"}
+        runs = {"python", "sh"}
     silent = [block.body for block in blocks(text) if asks_to_run(block) and block.kind not in runs and not block.reason and not block.file]
     assert silent == [], "put <!-- not run: REASON --> in the line before, or let the page run"
     for block in blocks(text):
@@ -201,7 +202,7 @@ def options_of(command: object) -> set[str]:
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_commands_and_their_options_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    lines = [line for block in blocks(text) if block.kind in ("sh", "console") for line, _ in commands(block)]
+    lines = [line for block in blocks(text) if block.kind == "sh" for line in commands(block)]
     lines += re.findall(r"(?<!`)`(seaglint [a-z][^`]*)`(?!`)", text)
     wrong = []
     for line in lines:
@@ -320,16 +321,35 @@ def test_a_block_that_is_older_than_the_code_is_found_and_written_anew(tmp_path:
         page_tables.main(["other.md"])
 
 
-def test_what_is_shown_is_compared() -> None:
+def test_what_is_shown_is_compared(tmp_path: Path) -> None:
     assert alike("rate 0.0100 in 40 frames", "rate 0.0101 in 40 frames")
     assert not alike("rate 0.0100 in 40 frames", "rate 0.0105 in 40 frames")
     assert not alike("rate 0.0100 in 40 frames", "share 0.0100 in 40 frames")
     assert matches(["a", "...", "d"], ["a", "b", "c", "d"])
     assert not matches(["a", "...", "d"], ["a", "b", "c"])
-    page = "<!-- not run: needs a ship -->\n```sh\nseaglint analyze clip.npy\n```\n\n```console\n$ ls\na.txt\n```\n"
-    first, second = blocks(page)
-    assert (first.reason, second.reason) == ("needs a ship", "")
-    assert list(commands(second)) == [("ls", ["a.txt"])]
+    left_out = "<!-- not run: needs a ship -->\n```sh\n# all\nseaglint \\\n    view\n```\n\n"
+    page = f"{left_out}File `a.txt`:\n\n```text\nx 1\n```\n\n```sh\ncat a.txt\n```\n"
+    first, second, third = blocks(page)
+    assert [(block.reason, block.file) for block in (first, second, third)] == [("needs a ship", ""), ("", "a.txt"), ("", "")]
+    assert commands(first) == ["seaglint     view"]
+    run(f"{page}\n```output\nx 1.01\n```\n", tmp_path)
+    with pytest.raises(PageError, match="the page shows\nx 2"):
+        run(f"{page}\n```output\nx 2\n```\n", tmp_path)
+    assert run(f"{page}\n```output\nx 2\n```\n", tmp_path, write=True).endswith("\n```output\nx 1\n```\n")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_code_fits_its_frame_and_can_be_copied(page: Path) -> None:
+    """Lines that programs print and files of numbers are broken by the browser; code is not."""
+    code = [
+        line
+        for block in blocks(page.read_text(encoding="utf-8"))
+        if block.kind not in ("output", "text")
+        for line in block.body.splitlines()
+    ]
+    assert [line for line in code if len(line) > WIDEST] == []
+    assert [line for line in code if line.startswith("$ ")] == [], "commands stand without a prompt, their output in a block of its own"
+    assert [line for line in code if re.search(r"[^\s#].*\S {2,}# ", line)] == [], "explanations stand in the line above"
 
 
 def test_the_house_is_drawn_as_the_contract_has_it() -> None:
