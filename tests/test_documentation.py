@@ -338,6 +338,18 @@ def test_what_is_shown_is_compared(tmp_path: Path) -> None:
     assert run(f"{page}\n```output\nx 2\n```\n", tmp_path, write=True).endswith("\n```output\nx 1\n```\n")
 
 
+def test_files_that_a_page_tells_to_save_are_offered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(DOCS / "_ext"))
+    saved_files = importlib.import_module("saved_files")
+    text = "File `a.toml`:\n\n```toml\nx = 1\n```\n\nFile `b.toml`: no block\n"
+    shown = saved_files.offered(text, "tutorials/first")
+    assert re.findall('href="([^"]*)"', shown) == ["first/a.toml"]
+    page = tmp_path / "first.md"
+    page.write_text(text)
+    saved_files.write_files({"tutorials/first": page}, tmp_path / "site")
+    assert (tmp_path / "site" / "tutorials" / "first" / "a.toml").read_text() == "x = 1\n"
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_code_fits_its_frame_and_can_be_copied(page: Path) -> None:
     """Lines that programs print and files of numbers are broken by the browser; code is not."""
