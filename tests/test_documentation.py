@@ -23,7 +23,7 @@ PAGES = [
     ROOT / "CONTRIBUTING.md",
     ROOT / "SECURITY.md",
     ROOT / "CODE_OF_CONDUCT.md",
-    *sorted(page for folder in (".", "guide", "adr", "gallery", "tutorials", "api") for page in (DOCS / folder).glob("*.md")),
+    *sorted(page for folder in (".", "guide", "adr", "gallery", "tutorials", "validation", "api") for page in (DOCS / folder).glob("*.md")),
 ]
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 RUN_HERE = ["README.md", "docs/guide/python.md", "docs/guide/radiometer.md", "docs/guide/ensembles.md", "docs/guide/workbench.md"]

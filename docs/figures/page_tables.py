@@ -9,6 +9,7 @@ Each block stands between ``<!-- begin NAME -->`` and ``<!-- end NAME -->``; ``.
 from __future__ import annotations
 
 import ast
+import csv
 import json
 import re
 import sys
@@ -264,6 +265,19 @@ def rooms() -> list[str]:
     return markdown_table(("room", "holds"), body)
 
 
+def comparisons() -> list[str]:
+    """All comparisons of the pages of validation: what, against what, how far apart, how many cases, when."""
+    with (DOCS / "data" / "comparisons.csv").open(encoding="utf-8") as file:
+        found = list(csv.DictReader(file))
+    made = tomllib.loads((DOCS / "data" / "made.toml").read_text(encoding="utf-8"))
+    body = []
+    for row in found:
+        page = row["page"].removeprefix("../") if row["page"].startswith("../") else f"validation/{row['page']}"
+        when = made[row["made"]]["date"] if row["made"] else "bound in every whole run"
+        body.append((f"[{row['what']}]({page})", row["against"], row["apart"], row["cases"], when))
+    return markdown_table(("what", "against", "how far apart", "cases", "made"), body)
+
+
 def decisions() -> list[str]:
     """Records of decisions by number, after the list of packages."""
     pages = sorted(path for path in (DOCS / "adr").glob("*.md") if path.stem not in ("index", "dependencies"))
@@ -273,6 +287,7 @@ def decisions() -> list[str]:
 BLOCKS: dict[str, Callable[[], list[str]]] = {
     "docs/guide/scenario.md#scenario-presets": scenario_presets,
     "docs/guide/scenario.md#scenario-keys": scenario_keys,
+    "docs/validation.md#comparisons": comparisons,
     "docs/guide/objects.md#object-presets": object_presets,
     "docs/guide/output.md#output-variables": output_variables,
     **{f"docs/gallery/{page}.md#pictures": partial(gallery_pictures, page) for page in PICTURES},
