@@ -23,7 +23,11 @@ PAGES = [
     ROOT / "CONTRIBUTING.md",
     ROOT / "SECURITY.md",
     ROOT / "CODE_OF_CONDUCT.md",
-    *sorted(page for folder in (".", "guide", "adr", "gallery", "tutorials", "validation", "api") for page in (DOCS / folder).glob("*.md")),
+    *sorted(
+        page
+        for folder in (".", "guide", "guide/scenario", "adr", "gallery", "tutorials", "validation", "api")
+        for page in (DOCS / folder).glob("*.md")
+    ),
 ]
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 RUN_HERE = ["README.md", "docs/guide/python.md", "docs/guide/radiometer.md", "docs/guide/ensembles.md", "docs/guide/workbench.md"]
@@ -304,6 +308,13 @@ def test_what_reads_in_a_build_alone_is_found() -> None:
 @pytest.mark.parametrize("place", page_tables.BLOCKS)
 def test_what_comes_from_the_code_is_as_the_code_has_it(place: str) -> None:
     assert page_tables.written(place) == page_tables.BLOCKS[place](), "run ./run tables pages"
+
+
+def test_each_table_of_the_scenario_file_has_a_page() -> None:
+    pages = {path.stem for path in (DOCS / "guide" / "scenario").glob("*.md")}
+    assert pages == set(page_tables.SCENARIO_TABLES)
+    loose = "\n".join(page_tables.scenario_keys())
+    assert not [name for name in page_tables.scenario_schema()["properties"] if name not in pages and f"| `{name}` |" not in loose]
 
 
 def test_a_block_that_is_older_than_the_code_is_found_and_written_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
