@@ -219,6 +219,25 @@ def test_commands_and_their_options_exist(page: Path) -> None:
     assert wrong == []
 
 
+SHARED = re.compile(
+    r"https?://[\w.-]*(?:researchgate|academia\.edu|sci-hub|semanticscholar|scribd|docplayer|vdocuments|fdocuments|paperexplained|libgen|scite\.ai)"
+    r"|https?://[^\s)>\"']*/~[^\s)>\"']*\.pdf",
+    re.IGNORECASE,
+)
+"""Addresses of copies of papers on sharing sites and in personal folders."""
+
+
+def test_papers_are_cited_themselves() -> None:
+    wrong = [f"{path.relative_to(ROOT)}: {found[0]}" for path in WRITTEN for found in SHARED.finditer(path.read_text(encoding="utf-8"))]
+    assert wrong == [], "cite the paper itself, by author, year and DOI"
+
+
+def test_a_copy_of_a_paper_is_found() -> None:
+    assert SHARED.search("https://www." + "researchgate.net/publication/1")
+    assert SHARED.search("http://cs.example.edu/" + "~name/paper.pdf")
+    assert not SHARED.search("https://doi.org/10.1117/12.2050433")
+
+
 def test_an_option_that_is_gone_is_found() -> None:
     command, rest = command_named(["atmosphere", "write", "my.toml", "--fromat", "tape5"])
     assert rest[0] == "my.toml"
