@@ -298,7 +298,7 @@ def comparisons() -> list[str]:
     body = []
     for row in found:
         page = row["page"].removeprefix("../") if row["page"].startswith("../") else f"validation/{row['page']}"
-        when = made[row["made"]]["date"] if row["made"] else "bound in every whole run"
+        when = made[row["made"]]["date"] if row["made"] else "tested in each run"
         body.append((f"[{row['what']}]({page})", row["against"], row["apart"], row["cases"], when))
     return markdown_table(("what", "against", "how far apart", "cases", "made"), body)
 
