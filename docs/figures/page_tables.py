@@ -292,7 +292,7 @@ def rooms() -> list[str]:
 
 def comparisons() -> list[str]:
     """All comparisons of the pages of validation: what, against what, how far apart, how many cases, when."""
-    with (DOCS / "data" / "comparisons.csv").open(encoding="utf-8") as file:
+    with (DOCS / "comparisons.csv").open(encoding="utf-8") as file:
         found = list(csv.DictReader(file))
     made = tomllib.loads((DOCS / "data" / "made.toml").read_text(encoding="utf-8"))
     body = []
