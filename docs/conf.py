@@ -7,6 +7,7 @@ from pathlib import Path
 # Kernels then are plain functions, with signatures and docstrings that autodoc can read.
 os.environ["NUMBA_DISABLE_JIT"] = "1"
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tools"))
 
 import reference
 import seaglint
@@ -26,6 +27,7 @@ extensions = [
     "sphinx_design",
     "plain_pages",
     "reference",
+    "saved_files",
     "sidebar",
 ]
 exclude_patterns = ["_build"]

@@ -13,7 +13,7 @@ import pytest
 from typer.main import get_command
 
 import page_tables
-from run_docs import Block, alike, blocks, commands, matches, run
+from run_docs import Block, PageError, alike, blocks, commands, matches, run
 from seaglint.cli.app import app
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -23,7 +23,11 @@ PAGES = [
     ROOT / "CONTRIBUTING.md",
     ROOT / "SECURITY.md",
     ROOT / "CODE_OF_CONDUCT.md",
-    *sorted(page for folder in (".", "guide", "adr", "gallery", "tutorials", "api") for page in (DOCS / folder).glob("*.md")),
+    *sorted(
+        page
+        for folder in (".", "guide", "guide/scenario", "adr", "gallery", "tutorials", "validation", "api")
+        for page in (DOCS / folder).glob("*.md")
+    ),
 ]
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 RUN_HERE = ["README.md", "docs/guide/python.md", "docs/guide/radiometer.md", "docs/guide/ensembles.md", "docs/guide/workbench.md"]
@@ -40,6 +44,9 @@ RUN_LONG = [
     "docs/guide/textures.md",
 ]
 """The same, with the long comparisons."""
+
+WIDEST = 88
+"""Columns of a line of code."""
 
 MOST_BYTES = 2_000_000
 """Of a page with its pictures."""
@@ -163,9 +170,7 @@ def test_one_visitor_follows_the_readme_and_the_tour(tmp_path: Path, monkeypatch
 
 def asks_to_run(block: Block) -> bool:
     """Whether a reader would type it."""
-    return block.kind in ("python", "sh", "console") or (
-        block.kind == "" and bool(re.search(r"^(\$ )?(seaglint|\./run) ", block.body, re.M))
-    )
+    return block.kind in ("python", "sh") or (block.kind == "" and bool(re.search(r"^(seaglint|\./run) ", block.body, re.M)))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
@@ -176,7 +181,7 @@ def test_blocks_run_or_say_why_not(page: Path) -> None:
     if name in (*RUN_HERE, *RUN_LONG):
         runs = {"python"}
     if page in TUTORIALS or name in VISITED:
-        runs = {"python", "sh", "console"}
+        runs = {"python", "sh"}
     silent = [block.body for block in blocks(text) if asks_to_run(block) and block.kind not in runs and not block.reason and not block.file]
     assert silent == [], "put <!-- not run: REASON --> in the line before, or let the page run"
     for block in blocks(text):
@@ -201,7 +206,7 @@ def options_of(command: object) -> set[str]:
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_commands_and_their_options_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    lines = [line for block in blocks(text) if block.kind in ("sh", "console") for line, _ in commands(block)]
+    lines = [line for block in blocks(text) if block.kind == "sh" for line in commands(block)]
     lines += re.findall(r"(?<!`)`(seaglint [a-z][^`]*)`(?!`)", text)
     wrong = []
     for line in lines:
@@ -212,6 +217,25 @@ def test_commands_and_their_options_exist(page: Path) -> None:
             wrong.append(line)
         wrong += [f"{line}: {word}" for word in rest if re.match(r"--?[a-z]", word) and word.split("=")[0] not in options_of(command)]
     assert wrong == []
+
+
+SHARED = re.compile(
+    r"https?://[\w.-]*(?:researchgate|academia\.edu|sci-hub|semanticscholar|scribd|docplayer|vdocuments|fdocuments|paperexplained|libgen|scite\.ai)"
+    r"|https?://[^\s)>\"']*/~[^\s)>\"']*\.pdf",
+    re.IGNORECASE,
+)
+"""Addresses of copies of papers on sharing sites and in personal folders."""
+
+
+def test_papers_are_cited_themselves() -> None:
+    wrong = [f"{path.relative_to(ROOT)}: {found[0]}" for path in WRITTEN for found in SHARED.finditer(path.read_text(encoding="utf-8"))]
+    assert wrong == [], "cite the paper itself, by author, year and DOI"
+
+
+def test_a_copy_of_a_paper_is_found() -> None:
+    assert SHARED.search("https://www." + "researchgate.net/publication/1")
+    assert SHARED.search("http://cs.example.edu/" + "~name/paper.pdf")
+    assert not SHARED.search("https://doi.org/10.1117/12.2050433")
 
 
 def test_an_option_that_is_gone_is_found() -> None:
@@ -305,6 +329,13 @@ def test_what_comes_from_the_code_is_as_the_code_has_it(place: str) -> None:
     assert page_tables.written(place) == page_tables.BLOCKS[place](), "run ./run tables pages"
 
 
+def test_each_table_of_the_scenario_file_has_a_page() -> None:
+    pages = {path.stem for path in (DOCS / "guide" / "scenario").glob("*.md")}
+    assert pages == set(page_tables.SCENARIO_TABLES)
+    loose = "\n".join(page_tables.scenario_keys())
+    assert not [name for name in page_tables.scenario_schema()["properties"] if name not in pages and f"| `{name}` |" not in loose]
+
+
 def test_a_block_that_is_older_than_the_code_is_found_and_written_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(page_tables, "ROOT", tmp_path)
     monkeypatch.setattr(page_tables, "BLOCKS", {"a.md#one": lambda: ["| new |"], "a.md#two": lambda: ["second"]})
@@ -320,16 +351,47 @@ def test_a_block_that_is_older_than_the_code_is_found_and_written_anew(tmp_path:
         page_tables.main(["other.md"])
 
 
-def test_what_is_shown_is_compared() -> None:
+def test_what_is_shown_is_compared(tmp_path: Path) -> None:
     assert alike("rate 0.0100 in 40 frames", "rate 0.0101 in 40 frames")
     assert not alike("rate 0.0100 in 40 frames", "rate 0.0105 in 40 frames")
     assert not alike("rate 0.0100 in 40 frames", "share 0.0100 in 40 frames")
     assert matches(["a", "...", "d"], ["a", "b", "c", "d"])
     assert not matches(["a", "...", "d"], ["a", "b", "c"])
-    page = "<!-- not run: needs a ship -->\n```sh\nseaglint analyze clip.npy\n```\n\n```console\n$ ls\na.txt\n```\n"
-    first, second = blocks(page)
-    assert (first.reason, second.reason) == ("needs a ship", "")
-    assert list(commands(second)) == [("ls", ["a.txt"])]
+    left_out = "<!-- not run: needs a ship -->\n```sh\n# all\nseaglint \\\n    view\n```\n\n"
+    page = f"{left_out}File `a.txt`:\n\n```text\nx 1\n```\n\n```sh\ncat a.txt\n```\n"
+    first, second, third = blocks(page)
+    assert [(block.reason, block.file) for block in (first, second, third)] == [("needs a ship", ""), ("", "a.txt"), ("", "")]
+    assert commands(first) == ["seaglint     view"]
+    run(f"{page}\n```output\nx 1.01\n```\n", tmp_path)
+    with pytest.raises(PageError, match="the page shows\nx 2"):
+        run(f"{page}\n```output\nx 2\n```\n", tmp_path)
+    assert run(f"{page}\n```output\nx 2\n```\n", tmp_path, write=True).endswith("\n```output\nx 1\n```\n")
+
+
+def test_files_that_a_page_tells_to_save_are_offered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(DOCS / "_ext"))
+    saved_files = importlib.import_module("saved_files")
+    text = "File `a.toml`:\n\n```toml\nx = 1\n```\n\nFile `b.toml`: no block\n"
+    shown = saved_files.offered(text, "tutorials/first")
+    assert re.findall('href="([^"]*)"', shown) == ["first/a.toml"]
+    page = tmp_path / "first.md"
+    page.write_text(text)
+    saved_files.write_files({"tutorials/first": page}, tmp_path / "site")
+    assert (tmp_path / "site" / "tutorials" / "first" / "a.toml").read_text() == "x = 1\n"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_code_fits_its_frame_and_can_be_copied(page: Path) -> None:
+    """Lines that programs print and files of numbers are broken by the browser; code is not."""
+    code = [
+        line
+        for block in blocks(page.read_text(encoding="utf-8"))
+        if block.kind not in ("output", "text")
+        for line in block.body.splitlines()
+    ]
+    assert [line for line in code if len(line) > WIDEST] == []
+    assert [line for line in code if line.startswith("$ ")] == [], "commands stand without a prompt, their output in a block of its own"
+    assert [line for line in code if re.search(r"[^\s#].*\S {2,}# ", line)] == [], "explanations stand in the line above"
 
 
 def test_the_house_is_drawn_as_the_contract_has_it() -> None:

@@ -3,12 +3,11 @@
     python tools/run_docs.py docs/tutorials/*.md            compare: what is shown must be what is printed
     python tools/run_docs.py --write docs/tutorials/*.md    show what is printed
 
-A page runs in an empty folder of its own. A comment in the line before a block says more of it: ``<!-- file: NAME -->`` writes the block
-into a file of that name, ``<!-- not run: REASON -->`` leaves it out. Blocks of ``python`` share their names; in blocks of ``console``
-lines that begin with ``$`` are commands and the others what they print; in blocks of ``sh`` all lines are commands. Numbers that are
-printed may differ by 2 per cent from those shown, a line ``...`` stands for any lines. A command in a block of ``sh`` must
-succeed. Lines ``source ...`` and ``./run ...`` are left out: the environment exists, and continuous integration runs these. A viewer
-is stopped where it prints its address.
+A page runs in an empty folder of its own. A block below the line ``File `NAME`:`` is written into a file of that name; a comment
+``<!-- not run: REASON -->`` in the line before a block leaves it out. Blocks of ``python`` share their names; lines of ``sh`` are commands,
+and a block of ``output`` below them is what they print. Numbers that are printed may differ by 2 per cent from those shown, a
+line ``...`` stands for any lines. A command must succeed unless its output is shown. Lines ``source ...`` and ``./run ...`` are left out:
+the environment exists, and continuous integration runs these. A viewer is stopped where it prints its address.
 """
 
 from __future__ import annotations
@@ -21,13 +20,14 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 BLOCK = re.compile(
-    r"^(?:<!-- (?P<note>[^\n]*?) -->\n)?(?P<fence>```+|~~~+)(?P<kind>[^\n`]*)\n(?P<body>.*?)^(?P=fence)[ ]*$", re.DOTALL | re.MULTILINE
+    r"^(?:<!-- not run: (?P<reason>[^\n]*?) -->\n|File `(?P<file>[^`\n]+)`:\n\n)?"
+    r"(?P<fence>```+|~~~+)(?P<kind>[^\n`]*)\n(?P<body>.*?)^(?P=fence)[ ]*$",
+    re.DOTALL | re.MULTILINE,
 )
 NUMBER = re.compile(r"(?<![A-Za-z_\d.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\dA-Za-z_])")
 CLOSE = 0.02
@@ -41,45 +41,29 @@ class PageError(Exception):
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block: its language, text, the comment before it and where its text stands in the page."""
+    """A fenced block of a page."""
 
+    #: Language.
     kind: str
+    #: Text.
     body: str
-    note: str
+    #: Name of the file that it is, or nothing.
+    file: str
+    #: Why it is not run, or nothing.
+    reason: str
+    #: Place of the text in the page.
     span: tuple[int, int]
-
-    @property
-    def file(self) -> str:
-        """Name of the file that it is, or nothing."""
-        return self.note.removeprefix("file:").strip() if self.note.startswith("file:") else ""
-
-    @property
-    def reason(self) -> str:
-        """Why it is not run, or nothing."""
-        return self.note.removeprefix("not run:").strip() if self.note.startswith("not run:") else ""
 
 
 def blocks(text: str) -> list[Block]:
     """All fenced blocks of a page."""
-    return [Block(m["kind"].strip(), m["body"], m["note"] or "", m.span("body")) for m in BLOCK.finditer(text)]
+    return [Block(m["kind"].strip(), m["body"], m["file"] or "", m["reason"] or "", m.span("body")) for m in BLOCK.finditer(text)]
 
 
-def commands(block: Block) -> Iterator[tuple[str, list[str]]]:
-    """Each command of a block with the lines that it prints; a backslash goes on in the next line."""
+def commands(block: Block) -> list[str]:
+    """Return the commands of a block of ``sh``; a backslash goes on in the next line."""
     lines = block.body.replace("\\\n", "").splitlines()
-    if block.kind == "sh":
-        yield from ((line, []) for line in lines if line.strip() and not line.lstrip().startswith("#"))
-        return
-    command, shown = "", list[str]()
-    for line in lines:
-        if line.startswith("$ "):
-            if command:
-                yield command, shown
-            command, shown = line[2:], []
-        else:
-            shown.append(line)
-    if command:
-        yield command, shown
+    return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
 
 
 def environment() -> dict[str, str]:
@@ -152,7 +136,9 @@ def run(text: str, folder: Path, *, write: bool = False, said: dict[str, list[st
     """
     names: dict[str, object] = {"__name__": "__page__"}
     pieces, end = [], 0
-    for block in blocks(text):
+    found: list[str] | None = None
+    page = blocks(text)
+    for block, below in zip(page, [*page[1:], None], strict=True):
         body = block.body
         if block.reason:
             pass
@@ -160,29 +146,33 @@ def run(text: str, folder: Path, *, write: bool = False, said: dict[str, list[st
             (folder / block.file).write_text(body, encoding="utf-8")
         elif block.kind == "python":
             exec(compile(body, f"block of {block.body[:40]!r}", "exec"), names)
-        elif block.kind in ("console", "sh"):
-            lines = _run_commands(block, folder, {} if said is None else said, compare=not write)
-            body = "\n".join(lines) + "\n" if write and block.kind == "console" else body
+        elif block.kind == "output" and found is not None:
+            shown = body.splitlines()
+            if write:
+                body = "\n".join(renewed(shown, found) if "..." in (line.strip() for line in shown) else found) + "\n"
+            elif not matches(shown, found):
+                raise PageError("\n".join(["the commands print", *found, "and the page shows", *shown]))
+        elif block.kind == "sh":
+            is_shown = below is not None and below.kind == "output"
+            found = _printed_by_all(commands(block), folder, {} if said is None else said, (0, 2) if is_shown else (0,))
+        if block.reason or block.kind != "sh":
+            found = None
         pieces += [text[end : block.span[0]], body]
         end = block.span[1]
     return "".join([*pieces, text[end:]])
 
 
-def _run_commands(block: Block, folder: Path, said: dict[str, list[str]], *, compare: bool) -> list[str]:
-    """Run the commands of a block; return its lines with what they print."""
-    lines: list[str] = []
-    for command, shown in commands(block):
+def _printed_by_all(lines: list[str], folder: Path, said: dict[str, list[str]], allowed: tuple[int, ...]) -> list[str]:
+    """Run commands, of which the last may end with one of the allowed statuses; return what they print."""
+    result: list[str] = []
+    for number, command in enumerate(lines, start=1):
         if command.startswith(LEFT_OUT):
-            lines += [f"$ {command}", *shown]
             continue
-        # a command that the page shows without an error must not end with one
-        allowed = (0, 2) if block.kind == "console" else (0,)
-        found = viewed(command, folder) if command.startswith(VIEWER) else printed(command, folder, allowed)
+        last = allowed if number == len(lines) else (0,)
+        found = viewed(command, folder) if command.startswith(VIEWER) else printed(command, folder, last)
         said[command.split(" #")[0].strip()] = found
-        if compare and block.kind == "console" and not matches(shown, found):
-            raise PageError("\n".join([f"'{command}' prints", *found, "and the page shows", *shown]))
-        lines += [f"$ {command}", *(renewed(shown, found) if "..." in (line.strip() for line in shown) else found)]
-    return lines
+        result += found
+    return result
 
 
 def renewed(shown: list[str], found: list[str]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Write what today's absorption changes against LOWTRAN7's: paths, skies, camera ranges and pictures, for docs/validation.md.
+"""Write what today's absorption changes against LOWTRAN7's: paths, skies, camera ranges and pictures, for docs/validation/air.md.
 
 python docs/figures/air_differences.py tables
 python docs/figures/air_differences.py picture
@@ -23,13 +23,13 @@ from seaglint.air.profile.band_laws import OwnGases, Spectroscopy, with_gases
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
-from validation_tables import PAGE, replace
+from validation_tables import DOCS, write_table
 
 MODELS = ("tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "us-standard-1976")
 BANDS = ((3.0, 5.0), (8.0, 12.0))
 LENGTHS_KM = (1.0, 5.0, 10.0, 20.0)
 ZENITHS_DEG = (0.0, 60.0, 85.0)
-PICTURE = PAGE.parent / "images" / "air_of_today.png"
+PICTURE = DOCS / "images" / "air_of_today.png"
 WIND = 5.0
 HEIGHT = 20.0
 SPECTROSCOPIES: tuple[Spectroscopy, ...] = ("lblrtm", "lowtran7")
@@ -146,10 +146,8 @@ def main() -> None:
     if sys.argv[1:] == ["picture"]:
         picture()
         return
-    page = PAGE.read_text(encoding="utf-8")
     for name, lines in (("air-paths", paths_table()), ("air-skies", skies_table()), ("air-ranges", ranges_table())):
-        page = replace(page, name, lines.splitlines())
-    PAGE.write_text(page, encoding="utf-8")
+        write_table(name, lines.splitlines())
 
 
 if __name__ == "__main__":

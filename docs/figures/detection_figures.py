@@ -1,4 +1,4 @@
-"""Draw detection in rendered seas into docs/images and print the table of needed contrasts for docs/validation.md.
+"""Draw detection in rendered seas into docs/images and print the table of needed contrasts for docs/validation/detection.md.
 
 python docs/figures/detection_figures.py [azimuth] [contrasts] [pictures] [ranges] [FOLDER]
 

@@ -1,4 +1,4 @@
-"""Print ranges of five cameras and objects against closed forms, and those of all detectors, for docs/validation.md.
+"""Print ranges of five cameras and objects against closed forms, and those of all detectors, for docs/validation/detection.md.
 
 python docs/figures/detection_ranges.py [FOLDER]
 

@@ -1,4 +1,4 @@
-"""Recompute the tables of false alarms in rendered seas in docs/validation.md, and docs/data/false_alarms.csv.
+"""Recompute the tables of false alarms in rendered seas in docs/validation/clutter.md, and docs/data/false_alarms.csv.
 
     python docs/figures/false_alarm_table.py            4 frames of each sea, some minutes on two cores
     python docs/figures/false_alarm_table.py 12         more frames, narrower intervals
@@ -27,13 +27,13 @@ from seaglint.studies.article.headline import ArticleRow
 from seaglint.studies.article.table1 import BLURS_PX, corridor, scene, sequence, table1
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.sequence.render_sequence import prepare_sequence
-from validation_tables import PAGE, replace, table
+from validation_tables import DOCS, table, write_table
 
 WINDS = (2.0, 5.0, 10.0)
 SUNS = (50.0, 60.0, 70.0)
 BANDS = 3
 APART = 1.0  # s; waves of half a metre are forgotten within a tenth of it
-OUTPUT = PAGE.parent / "data" / "false_alarms.csv"
+OUTPUT = DOCS / "data" / "false_alarms.csv"
 
 Row = dict[str, float]
 
@@ -101,7 +101,7 @@ def main(frames: str = "4") -> None:
             rows += rates(wind, sun, int(frames))
             print(f"{wind:g} m/s, Sun {sun:g} deg:", [round(row["times_gaussian"], 2) for row in rows[-2 * BANDS :]], flush=True)
     write_columns({key: np.array([row[key] for row in rows]) for key in rows[0]}, OUTPUT, overwrite=True)
-    write_table(rows)
+    write_rates(rows)
 
 
 def write_table1(rows: dict[str, ArticleRow]) -> None:
@@ -132,10 +132,10 @@ def write_table1(rows: dict[str, ArticleRow]) -> None:
 def put(name: str, lines: list[str]) -> None:
     """Print a table and write it into the page."""
     print(*lines, sep="\n")
-    PAGE.write_text(replace(PAGE.read_text(encoding="utf-8"), name, lines), encoding="utf-8")
+    write_table(name, lines)
 
 
-def write_table(rows: list[Row]) -> None:
+def write_rates(rows: list[Row]) -> None:
     """Put the table between its markers."""
     bands = sorted({(row["near_m"], row["far_m"]) for row in rows})
     head = ("wind", "Sun's zenith angle", "mirroring / rms slope", *(f"{near / 1e3:.2g}-{far / 1e3:.2g} km" for near, far in bands))

@@ -1,4 +1,4 @@
-"""Differences from RRTMGP's paths by band and spectroscopy; writes a table of docs/validation.md.
+"""Differences from RRTMGP's paths by band and spectroscopy; writes a table of docs/validation/air.md.
 
 python docs/figures/fitted_bands.py
 """
@@ -12,7 +12,7 @@ import numpy as np
 from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.band_laws import Spectroscopy
 from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
-from validation_tables import PAGE, folder, replace, table
+from validation_tables import folder, table, write_table
 
 FILES = {"lower air": "paths.csv", "upper air": "paths_upper_air.csv"}
 SPLIT_HPA = 99.4843
@@ -67,7 +67,7 @@ def lines(every: int = 1) -> list[str]:
 
 def main() -> None:
     """Write the table into the page."""
-    PAGE.write_text(replace(PAGE.read_text(encoding="utf-8"), "fitted-bands", lines()), encoding="utf-8")
+    write_table("fitted-bands", lines())
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ Each block stands between ``<!-- begin NAME -->`` and ``<!-- end NAME -->``; ``.
 from __future__ import annotations
 
 import ast
+import csv
 import json
 import re
 import sys
@@ -42,6 +43,12 @@ CHOSEN = ("sunset", "panorama", "ships_boxes", "swell", "night", "plan_view", "l
 
 ACROSS = 4
 """Small pictures in a row."""
+
+SCENARIO_TABLES = (
+    *("time", "place", "sun", "sensor", "platform", "band", "wind", "sea"),
+    *("atmosphere", "mean", "render", "objects", "likelihood"),
+)
+"""Tables of the scenario file, which have a page each."""
 
 Schema = dict[str, Any]
 
@@ -135,30 +142,49 @@ def markdown_table(head: tuple[str, ...], body: list[tuple[str, ...]]) -> list[s
     return ["| " + " | ".join(re.sub(r"\s+", " ", cell).replace("|", "\\|") for cell in line) + " |" for line in lines]
 
 
-def scenario_keys() -> list[str]:
-    """One table for each table of the scenario file."""
+HEAD = ("key", "allowed", "default", "meaning")
+
+
+def scenario_table(name: str, root: Schema) -> tuple[str, list[tuple[str, ...]]]:
+    """First sentence on a table of the scenario file and the rows of its keys; of a key outside of any table its row alone."""
+    section = resolve(root["properties"][name], root)
+    listed = (resolve(option.get("items", {}), root) for option in branches(section, root))
+    items = next((item for item in listed if "properties" in item), None)
+    short = root["properties"][name].get("description", "")
+    about = f"{short[:1].upper()}{short[1:]}." if short else branches(section, root)[0].get("description", "").split("\n")[0]
+    if items is not None:
+        return about, list(rows(items, root, ""))
+    found = list(rows({"properties": {name: section}}, root, ""))
+    return about, [(path.removeprefix(f"{name}."), *rest) for path, *rest in found]  # as in the file
+
+
+def key_table(body: list[tuple[str, ...]]) -> list[str]:
+    """A table of keys."""
+    return markdown_table(HEAD, [(f"`{path}`", *rest) for path, *rest in body])
+
+
+def table_keys(name: str) -> list[str]:
+    """Keys of a table of the scenario file."""
+    about, body = scenario_table(name, scenario_schema())
+    return [about.replace("``", "`"), "", *key_table(body)]
+
+
+def scenario_tables() -> list[str]:
+    """Tables of the scenario file with their pages."""
     root = scenario_schema()
-    out: list[str] = []
-    loose = []
-    for name, raw in root["properties"].items():
-        section = resolve(raw, root)
-        listed = (resolve(option.get("items", {}), root) for option in branches(section, root))
-        items = next((item for item in listed if "properties" in item), None)
-        if items is not None:
-            about = items.get("description", "").split("\n")[0]
-            body = [(f"`{path}`", *rest) for path, *rest in rows(items, root, "")]
-            out += ["", f"**`[[{name}]]`** {about}", "", *markdown_table(("key", "allowed", "default", "meaning"), body)]
-            continue
-        found = list(rows({"properties": {name: raw}}, root, ""))
-        if len(found) == 1 and found[0][0] == name:
-            loose.append(found[0])
-            continue
-        about = " / ".join(dict.fromkeys(b.get("description", "").split("\n")[0] for b in branches(section, root)[:1]))
-        # Keys inside a table are written without the table's name, as in the file.
-        body = [(f"`{path.removeprefix(name + '.')}`", *rest) for path, *rest in found]
-        out += ["", f"**`[{name}]`** {about}", "", *markdown_table(("key", "allowed", "default", "meaning"), body)]
-    head = markdown_table(("key", "allowed", "default", "meaning"), [(f"`{path}`", *rest) for path, *rest in loose])
-    return ["**Outside of any table**", "", *head, *out]
+    body = []
+    for name in SCENARIO_TABLES:
+        about, keys = scenario_table(name, root)
+        shown = f"[[{name}]]" if name == "objects" else f"[{name}]"
+        body.append((f"[`{shown}`](scenario/{name}.md)", about.replace("``", "`"), str(sum(bool(allowed) for _, allowed, *_ in keys))))
+    return markdown_table(("table", "contents", "keys"), body)
+
+
+def scenario_keys() -> list[str]:
+    """Keys outside of any table."""
+    root = scenario_schema()
+    others = (name for name in root["properties"] if name not in SCENARIO_TABLES)
+    return key_table([row for name in others for row in scenario_table(name, root)[1]])
 
 
 def scenario_presets() -> list[str]:
@@ -295,6 +321,19 @@ def reference_physics() -> list[str]:
     return reference_groups(reference.physics_pages())
 
 
+def comparisons() -> list[str]:
+    """All comparisons of the pages of validation: what, against what, how far apart, how many cases, when."""
+    with (DOCS / "comparisons.csv").open(encoding="utf-8") as file:
+        found = list(csv.DictReader(file))
+    made = tomllib.loads((DOCS / "data" / "made.toml").read_text(encoding="utf-8"))
+    body = []
+    for row in found:
+        page = row["page"].removeprefix("../") if row["page"].startswith("../") else f"validation/{row['page']}"
+        when = made[row["made"]]["date"] if row["made"] else "tested in each run"
+        body.append((f"[{row['what']}]({page})", row["against"], row["apart"], row["cases"], when))
+    return markdown_table(("what", "against", "how far apart", "cases", "made"), body)
+
+
 def decisions() -> list[str]:
     """Records of decisions by number, after the list of packages."""
     pages = sorted(path for path in (DOCS / "adr").glob("*.md") if path.stem not in ("index", "dependencies"))
@@ -303,7 +342,10 @@ def decisions() -> list[str]:
 
 BLOCKS: dict[str, Callable[[], list[str]]] = {
     "docs/guide/scenario.md#scenario-presets": scenario_presets,
+    "docs/guide/scenario.md#scenario-tables": scenario_tables,
     "docs/guide/scenario.md#scenario-keys": scenario_keys,
+    **{f"docs/guide/scenario/{name}.md#keys": partial(table_keys, name) for name in SCENARIO_TABLES},
+    "docs/validation.md#comparisons": comparisons,
     "docs/guide/objects.md#object-presets": object_presets,
     "docs/guide/output.md#output-variables": output_variables,
     **{f"docs/gallery/{page}.md#pictures": partial(gallery_pictures, page) for page in PICTURES},

@@ -24,10 +24,10 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.studies.article.table1 import corridor
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.sequence.sensed_sequence import binned, prepare_sensed
-from validation_tables import PAGE, replace, table
+from validation_tables import DOCS, replace, table
 
-GUIDE = PAGE.parent / "guide" / "sensor.md"
-OUTPUT = PAGE.parent / "data" / "sensor_rates.csv"
+GUIDE = DOCS / "guide" / "sensor.md"
+OUTPUT = DOCS / "data" / "sensor_rates.csv"
 SENSORS = {"F/2": {"f_number": 2.0}, "F/4, 0.5 pixels of jitter": {"f_number": 4.0, "jitter_urad": 270.0}}
 DETECTOR = {"pitch_um": 15.0, "integration_time_s": 5e-4, "well_capacity_e": 2e7, "read_noise_e": 600.0, "bit_depth": 16}
 APART = 1.0

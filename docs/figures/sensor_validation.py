@@ -1,4 +1,4 @@
-"""Measure the sensor against what it must show and write the table into docs/validation.md; about a minute.
+"""Measure the sensor against what it must show and write the table into docs/validation/sensor.md; about a minute.
 
 python docs/figures/sensor_validation.py
 """
@@ -22,7 +22,7 @@ from seaglint.instrument.photons import Photons
 from seaglint.optics.band import Band
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "validation.md"
+PAGE = ROOT / "docs" / "validation" / "sensor.md"
 PYBSM = ROOT / "tests" / "instrument" / "data" / "pybsm.csv"
 ANGLE = 5.0
 BINS = 4

@@ -15,26 +15,25 @@ from typing import Any
 
 import numpy as np
 
-from validation_tables import NotHereError
+from validation_tables import NotHereError, page_of
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tools"))
 from tables import ROOT, block
 
 Pairs = Iterator[tuple[str, str]]
 
-VALIDATION = "docs/validation.md"
 EVERY = 25
 """Of the long files one row in so many."""
 NORMAL = 1.96
 """Half the width of an interval of 95 % in standard errors [1]."""
 
 
-def printed(name: str, page: str = VALIDATION) -> list[str]:
-    """Lines of a table as they stand on its page."""
-    return [line for line in block(f"{page}#{name}")[1].group().splitlines() if line]
+def printed(name: str, page: str = "") -> list[str]:
+    """Lines of a table as they stand on its page, of those of docs/validation if none is given."""
+    return [line for line in block(f"{page or page_of(name).relative_to(ROOT)}#{name}")[1].group().splitlines() if line]
 
 
-def cells(name: str, first: str, page: str = VALIDATION) -> list[str]:
+def cells(name: str, first: str, page: str = "") -> list[str]:
     """Cells of the row that begins with some text."""
     line = next(line for line in printed(name, page) if line.startswith(f"| {first} |"))
     return [cell.strip() for cell in line.strip("|").split("|")]

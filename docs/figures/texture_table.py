@@ -1,4 +1,4 @@
-"""Fit gamma textures to a rendered glint sequence and to measured pictures, and write what they miss into docs/validation.md.
+"""Fit gamma textures to a rendered glint sequence and to measured pictures, and write what they miss into docs/validation/textures.md.
 
     python docs/figures/texture_table.py            table, and the pictures of docs/guide/textures.md
     python docs/figures/texture_table.py --print    table on the terminal only
@@ -25,12 +25,12 @@ from seaglint.studies.texture.texture_sequences import STILL, Fitted, detrended,
 from seaglint.textures.gaussian_texture import fit_texture
 from seaglint.textures.quality import compare
 from seaglint.textures.suitability import parse_region
-from validation_tables import PAGE, ROOT, replace, table
+from validation_tables import DOCS, ROOT, table, write_table
 
 sys.path.append(str(ROOT / "tools"))
 from data_folders import data_folder
 
-IMAGES = PAGE.parent / "images"
+IMAGES = DOCS / "images"
 
 GLINT = {
     "seed": 4,
@@ -128,7 +128,7 @@ def main() -> None:
     print("\n".join(lines))
     if "--print" in sys.argv[1:]:
         return
-    PAGE.write_text(replace(PAGE.read_text(encoding="utf-8"), "textures", lines), encoding="utf-8")
+    write_table("textures", lines)
     draw_pictures(shown.comparison, shown.data, shown.sample).savefig(IMAGES / "texture_pictures.png", dpi=80, metadata={"Software": None})
     draw_measures(shown.comparison, shown.gaussian).savefig(IMAGES / "texture_measures.png", dpi=80, metadata={"Software": None})
     assert np.isfinite(shown.sample).all()

@@ -1,4 +1,4 @@
-"""Recompute the tables of docs/validation.md, each between its two markers, from the package itself.
+"""Recompute the tables of docs/validation, each between its two markers, from the package itself.
 
     python docs/figures/validation_tables.py               all tables
     python docs/figures/validation_tables.py headline sea  some of them
@@ -41,7 +41,7 @@ sys.path.append(str(Path(__file__).resolve().parents[2] / "tools"))
 from data_folders import data_folder
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "validation.md"
+DOCS = ROOT / "docs"
 
 Lines = Iterator[str]
 
@@ -376,12 +376,27 @@ def replace(page: str, name: str, lines: list[str]) -> str:
     begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
     pattern = re.compile(re.escape(begin) + r"\n.*?" + re.escape(end), re.DOTALL)
     if not pattern.search(page):
-        raise SystemExit(f"{PAGE.name} lacks the markers '{begin}' and '{end}'")
+        raise SystemExit(f"the page lacks the lines '{begin}' and '{end}'; put them where the table shall be")
     return pattern.sub(lambda _: "\n".join((begin, "", *lines, "", end)), page)
 
 
+def page_of(name: str) -> Path:
+    """The page of docs/validation with a table's markers."""
+    begin = f"<!-- begin {name} -->"
+    found = [path for path in sorted((DOCS / "validation").glob("*.md")) if begin in path.read_text(encoding="utf-8").splitlines()]
+    if len(found) != 1:
+        raise SystemExit(f"docs/validation has {len(found)} pages with the line '{begin}'; put it where the table shall be")
+    return found[0]
+
+
+def write_table(name: str, lines: list[str]) -> None:
+    """Write a table into its page of docs/validation."""
+    page = page_of(name)
+    page.write_text(replace(page.read_text(encoding="utf-8"), name, lines), encoding="utf-8")
+
+
 def main(names: list[str]) -> int:
-    """Rewrite the page; how many tables were left as they are, for want of data."""
+    """Rewrite the pages; how many tables were left as they are, for want of data."""
     unknown = set(names) - set(TABLES)
     if unknown:
         raise SystemExit(f"no table {', '.join(sorted(unknown))}; there are {', '.join(TABLES)}")
@@ -394,7 +409,7 @@ def main(names: list[str]) -> int:
             left += 1
             continue
         print(f"\n{name}", *lines, sep="\n")
-        PAGE.write_text(replace(PAGE.read_text(encoding="utf-8"), name, lines), encoding="utf-8")
+        write_table(name, lines)
     return left
 
 
