@@ -1,11 +1,5 @@
-/* A button that copies each block of code: where the block shows a dialogue, the commands without "$" and without answers. */
+/* A button that copies each block of code, but for what programs print. */
 "use strict";
-
-function commands(text) {
-  const lines = text.split("\n");
-  const typed = lines.filter((line) => line.startsWith("$ "));
-  return typed.length ? typed.map((line) => line.slice(2)).join("\n") + "\n" : text;
-}
 
 function copy(text) {
   if (navigator.clipboard) return navigator.clipboard.writeText(text);
@@ -17,13 +11,13 @@ function copy(text) {
   return Promise.resolve();
 }
 
-for (const block of document.querySelectorAll("div.highlight > pre")) {
+for (const block of document.querySelectorAll("div:not(.highlight-output) > div.highlight > pre")) {
   const button = document.createElement("button");
   button.className = "copy";
   button.type = "button";
   button.textContent = "Copy";
   button.addEventListener("click", async () => {
-    await copy(commands(block.textContent));
+    await copy(block.textContent);
     button.textContent = "Copied";
     button.classList.add("copied");
     setTimeout(() => { button.textContent = "Copy"; button.classList.remove("copied"); }, 1500);
