@@ -24,7 +24,6 @@ extensions = [
     "keywords",
     "mathml",
     "numpydoc_once",
-    "sphinx_design",
     "plain_pages",
     "reference",
     "saved_files",
@@ -43,7 +42,7 @@ html_math_renderer = "mathml"
 html_search_scorer = str(Path(__file__).parent / "_ext" / "search_scorer.js")
 html_show_search_summary = False  # each would read its whole page, and from a disk browsers refuse to
 
-myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
+myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 myst_html_meta = {
     "description": "What an infrared camera sees at sea: calibrated image sequences, glint, clutter, detector counts and detection ranges."

@@ -181,7 +181,7 @@ def test_links_of_plain_pages_become_copies_and_lists() -> None:
     code = plain_pages.built("<!-- include toml -->\n[a scene](../a.toml)\n")
     assert code == "```{literalinclude} ../a.toml\n:language: toml\n```\n"
     script = plain_pages.built("<!-- include python -->\n[docs/gallery/a.py](a.py)\n")
-    assert "{dropdown} docs/gallery/a.py" in script
+    assert "<details><summary>docs/gallery/a.py</summary>" in script
     assert "{literalinclude} a.py" in script
     lists = plain_pages.built("<!-- toctree -->\n## All\n\n**One**: [a](a.md), [b](x/b-c.md)\n\n**Two**: [d](d.md)\n<!-- end toctree -->\n")
     assert lists.count("{toctree}") == 2

@@ -1,4 +1,7 @@
-"""Keywords of pages: entries of the index from ``docs/keywords.toml``, which the search ranks above words of the text."""
+"""Keywords of pages: entries of the index from ``docs/keywords.toml``, which the search ranks above words of the text.
+
+Other entries, which autodoc makes of each name, are dropped: the search has the names already, and would read a third more.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +19,17 @@ KEYWORDS = Path(__file__).resolve().parents[1] / "keywords.toml"
 
 
 class Keywords(SphinxTransform):
-    """Add the keywords of a page as main entries that lead to its title; the search lists other entries after all results."""
+    """Add the keywords of a page as main entries that lead to its title, in the place of all other entries."""
 
     default_priority = 800  # domains collect entries at 850
 
     def apply(self, **options: Any) -> None:
-        """Insert the entries before the text of the page."""
+        """Drop what others entered; insert the entries before the text of the page."""
+        for entries in list(self.document.findall(addnodes.index)):
+            entries["entries"] = []
         words = self.config.page_keywords.get(self.env.docname, [])
+        if (function := Path(self.env.docname).name).startswith("sg."):
+            words = [f"seaglint.{function.removeprefix('sg.')}"]
         section = next(self.document.findall(nodes.section), None)
         if words and section is not None:
             section.insert(1, addnodes.index(entries=[("single", word, section["ids"][0], "main", None) for word in words]))

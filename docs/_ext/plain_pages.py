@@ -43,7 +43,7 @@ def included(match: re.Match[str]) -> str:
         return directive("literalinclude", path, [f":language: {language}"])
     # A script of the gallery: what follows the line on its size, folded away.
     code = directive("literalinclude", path, [":language: python", ":start-after: SEAGLINT_GALLERY_SIZE"])
-    return f":::{{dropdown}} {title}\n{code}\nThe whole script: {{download}}`{path} <{path}>`.\n:::"
+    return f"<details><summary>{title}</summary>\n\n{code}\n\nThe whole script: {{download}}`{path} <{path}>`.\n\n</details>"
 
 
 def listed(match: re.Match[str]) -> str:
