@@ -1,4 +1,4 @@
-/* A button that copies each block of code, but for what programs print. */
+/* A button that copies each block of code, but for what programs print; on a phone, tables that are too wide become lists of rows. */
 "use strict";
 
 function copy(text) {
@@ -24,3 +24,24 @@ for (const block of document.querySelectorAll("div:not(.highlight-output) > div.
   });
   block.parentElement.append(button);
 }
+
+/* Without this, such a table scrolls within itself. */
+const PHONE = window.matchMedia("(max-width: 46em)");
+const TABLES = [...document.querySelectorAll("article table.docutils")].filter((table) => table.tHead && !table.querySelector("img, [colspan], [rowspan]"));
+
+for (const table of TABLES) {
+  const heads = [...table.tHead.rows[0].cells].map((cell) => cell.textContent.trim());
+  for (const row of table.tBodies[0].rows) {
+    [...row.cells].forEach((cell, column) => { cell.dataset.label = heads[column] ?? ""; });
+  }
+}
+
+function stack() {
+  for (const table of TABLES) {
+    table.classList.remove("stacked");
+    table.classList.toggle("stacked", PHONE.matches && table.scrollWidth > table.parentElement.clientWidth);
+  }
+}
+
+stack();
+window.addEventListener("resize", stack);
