@@ -34,6 +34,7 @@ exclude_patterns = ["_build"]
 html_theme = "furo"
 html_title = f"seaglint {release}"
 html_copy_source = False
+html_domain_indices = False  # the reference lists its pages
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_js_files = [("site.js", {"defer": "defer"})]
