@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from seaglint.scenario.dated_sun import dated_sun
 from seaglint.scenario.load import parse_scenario
-from seaglint.scenario.sun import dated_sun, sun_position
+from seaglint.scenario.sun import sun_position
 
 ALMANAC = 0.02  # deg; the facts below are rounded to about 0.01 deg
 REFRACTION = 0.05  # deg; the standard atmosphere's bending above 20 deg of elevation

@@ -13,9 +13,10 @@ import numpy as np
 from nicegui import background_tasks, ui
 
 from seaglint.base.conventions import FloatArray
+from seaglint.scenario.dated_sun import dated_sun
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.small_tables import Place, Time
-from seaglint.scenario.sun import dated_sun, sun_position
+from seaglint.scenario.sun import sun_position
 from seaglint.scenario.text.display import SUN
 from seaglint.viewer.workbench.scenario_draft import Draft, Keys
 
@@ -113,7 +114,7 @@ def day_svg(day: Day, minutes: float) -> str:
 
 
 def dated(scenario: Scenario) -> tuple[Scenario, str]:
-    """Return a scenario whose Sun comes from a date and a place (:func:`~seaglint.scenario.sun.dated_sun`), and a line on what differs."""
+    """Return a scenario whose Sun comes from a date and a place (``dated_sun``), and a line on what differs."""
     given = sun_position(scenario)
     moment, latitude, longitude = dated_sun(given.zenith, given.azimuth)
     place = Place(latitude_deg=latitude, longitude_deg=longitude)
