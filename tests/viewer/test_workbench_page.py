@@ -198,7 +198,7 @@ FAINT_TEXTS = """least => {
 
 # What ends to the right of the form, or is cut off within it.
 OUTSIDE = """() => {
-  const panel = document.querySelector('.left'), edge = panel.getBoundingClientRect().left + panel.clientWidth + 0.5;
+  const panel = document.querySelector('.form'), edge = panel.getBoundingClientRect().left + panel.clientWidth + 0.5;
   return [...panel.querySelectorAll('*')].filter((e) => e.checkVisibility() && !e.closest('.q-focus-helper, svg'))
     .filter((e) => e.getBoundingClientRect().right > edge || (e.matches('.note, .faint, .name') && e.scrollWidth > e.clientWidth + 1))
     .map((e) => `${e.className}: ${e.textContent.slice(0, 60)}`);
@@ -282,7 +282,7 @@ def test_a_phone_has_pictures_first_and_buttons_for_fingers(browser, bench):
     with opened(browser, bench, 390) as page:
         drawn(page)
         assert picture(page, "mean").bounding_box()["y"] < 600
-        assert page.locator(".left").bounding_box()["y"] > picture(page, "plan").bounding_box()["y"]
+        assert page.locator(".form").bounding_box()["y"] > picture(page, "plan").bounding_box()["y"]
         for button in page.locator("button:visible, .q-item:visible, .top select").all():
             box = button.bounding_box()
             assert min(box["height"], box["width"]) >= 40, button.evaluate("e => e.outerHTML")

@@ -27,17 +27,26 @@ export class Plot {
    * @param canvas - where it is drawn
    * @param out - element that tells the values at the mark
    * @param picked - called with the x of a click or of Enter
+   * @param dragged - called with both limits when one of them is dragged
    */
-  constructor(canvas, out, picked = null) {
-    Object.assign(this, { canvas, out, picked, data: null, at: null });
+  constructor(canvas, out, { picked = null, dragged = null } = {}) {
+    Object.assign(this, { canvas, out, picked, dragged, data: null, at: null, held: null });
     canvas.tabIndex = 0;
     new ResizeObserver(() => this.draw()).observe(canvas);
-    canvas.addEventListener("pointermove", (event) => this.mark(this.nearest(event.clientX - canvas.getBoundingClientRect().left)));
-    canvas.addEventListener("pointerdown", (event) => this.mark(this.nearest(event.clientX - canvas.getBoundingClientRect().left)));
+    const across = (event) => event.clientX - canvas.getBoundingClientRect().left;
+    canvas.addEventListener("pointerdown", (event) => {
+      this.held = this.limitAt(across(event), event.pointerType === "touch" ? 16 : 7);
+      if (this.held === null) this.mark(this.nearest(across(event))); else canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      canvas.style.cursor = this.held !== null || this.limitAt(across(event), 7) !== null ? "ew-resize" : "crosshair";
+      if (this.held === null) this.mark(this.nearest(across(event))); else this.drag(across(event));
+    });
+    for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, () => { setTimeout(() => { this.held = null; }); }); // after the click
     canvas.addEventListener("pointerleave", () => { if (document.activeElement !== canvas) this.mark(null); });
     canvas.addEventListener("focus", () => { if (this.at === null) this.mark(this.start()); });
     canvas.addEventListener("blur", () => this.mark(null));
-    canvas.addEventListener("click", () => this.pick());
+    canvas.addEventListener("click", () => { if (this.held === null) this.pick(); });
     canvas.addEventListener("keydown", (event) => {
       if (!this.data || event.ctrlKey || event.metaKey || event.altKey) return;
       const last = this.data.series[0].xs.length - 1, at = this.at ?? this.start();
@@ -56,6 +65,25 @@ export class Plot {
 
   pick() { if (this.picked && this.at !== null) this.picked(this.data.series[0].xs[this.at], this.at); }
 
+  /** Number of the limit within reach of an x; null for none. */
+  limitAt(x, reach) {
+    if (!this.dragged || !this.x || !this.data.limits) return null;
+    const far = this.data.limits.map((v) => Math.abs(this.within(v) - x)), near = far[1] < far[0] ? 1 : 0;
+    return far[near] <= reach ? near : null;
+  }
+
+  /** x of a limit; those outside stand at the ends. */
+  within(v) { return Math.min(Math.max(this.x(v), ROOM.left), this.canvas.clientWidth - ROOM.right); }
+
+  drag(x) {
+    const limits = [...this.data.limits], inside = Math.min(Math.max(x, ROOM.left), this.canvas.clientWidth - ROOM.right);
+    limits[this.held] = this.valueAt(inside);
+    if (!(limits[0] < limits[1])) return;
+    this.data.limits = limits;
+    this.draw();
+    this.dragged(limits);
+  }
+
   mark(at) { this.at = at; this.draw(); }
 
   nearest(x) {
@@ -64,8 +92,9 @@ export class Plot {
     return xs.reduce((best, v, i) => (Math.abs(this.x(v) - x) < Math.abs(this.x(xs[best]) - x) ? i : best), 0);
   }
 
-  /** What is drawn: series { name, colour, xs, values, bars, edges }, x and y { name, unit }, log, now, note. */
+  /** What is drawn: series { name, colour, xs, values, bars, edges }, x and y { name, unit }, log, now, limits, note. */
   set(data) {
+    if (this.held !== null && this.data?.limits) data.limits = this.data.limits; // those under the finger, not those of an older answer
     this.data = data;
     if (this.at !== null && !(data && data.series.length && this.at < data.series[0].xs.length)) this.at = null;
     this.draw();
@@ -83,6 +112,7 @@ export class Plot {
     let up = ends((series[0]?.bars ? series.slice(0, 1) : series).map((s) => (log ? s.values.filter((v) => v > 0) : s.values)));
     this.x = null;
     this.tell(up);
+    if (!series.length) return;
     if (!across || !up) { pen.fillStyle = INK.faint; pen.textAlign = "center"; pen.fillText("no values", width / 2, height / 2); return; }
     if (across[0] === across[1]) { across[0] -= 0.5; across[1] += 0.5; }
     if (log) up = [Math.log10(up[0]) - 0.1, Math.log10(up[1]) + 0.1];
@@ -91,6 +121,7 @@ export class Plot {
     const x = (v) => box.x + ((v - across[0]) / (across[1] - across[0])) * (box.r - box.x);
     const y = (v) => box.b - (((log ? Math.log10(v) : v) - up[0]) / (up[1] - up[0])) * (box.b - box.y);
     this.x = x;
+    this.valueAt = (place) => across[0] + ((place - box.x) / (box.r - box.x)) * (across[1] - across[0]);
     this.axes(pen, box, x, across, up, y, width, height);
     pen.save();
     pen.beginPath();
@@ -114,6 +145,11 @@ export class Plot {
       }
     }
     pen.restore();
+    for (const limit of this.dragged && data.limits ? data.limits : []) {
+      Plot.upright(pen, this.within(limit), box, INK.text, []);
+      pen.fillStyle = INK.text;
+      pen.fillRect(this.within(limit) - 3, box.b - 9, 6, 12);
+    }
     if (series.length < 2) return;
     pen.textAlign = "right";
     pen.textBaseline = "top";
@@ -153,7 +189,9 @@ export class Plot {
   /** The values at the mark, or how many are missing. */
   tell(up) {
     const { series, x, y, note, log } = this.data;
-    if (this.at === null || !series.length) {
+    if (this.held !== null) { this.out.textContent = `limits of the scale: ${this.data.limits.map((v) => reading(v, x.unit)).join(" to ")}${x.unit ? " " + x.unit : ""}`; return; }
+    if (!series.length) { this.out.textContent = note || ""; return; }
+    if (this.at === null) {
       const all = series.reduce((sum, one) => sum + one.values.length, 0);
       const missing = log || series[0]?.bars ? 0 : series.reduce((sum, one) => sum + one.values.filter((v) => v === null).length, 0);
       this.out.textContent = !up ? "no value in any of them" : missing ? `${missing} of ${all} values are missing: gaps` : note || "";

@@ -141,15 +141,41 @@ export function fill(table, rows) {
   table.replaceChildren(body);
 }
 
-/** The result of a job that a request starts; `told` is called with its progress in per cent, and with the function that cancels it. */
-export async function jobDone(path, told, options = {}) {
-  const { job } = await json(path, { method: "POST", ...options });
-  const cancel = () => ask(`/api/job/${job}`, { method: "DELETE" }).catch(() => {});
-  for (;;) {
-    const found = await json(`/api/job/${job}`);
-    if (found.result) return { job, result: found.result };
-    told(Math.round((100 * found.done) / Math.max(found.total, 1)), cancel);
-    await new Promise((done) => setTimeout(done, 200));
+/** A job whose progress is told in a line if it lasts, with a button that cancels it. */
+export class Work {
+  constructor(out, button) {
+    Object.assign(this, { out, button, number: null, cancelled: false });
+    button.addEventListener("click", () => this.cancel());
+  }
+
+  /** End the job that runs; its request then fails with the word "cancelled". */
+  cancel() {
+    this.cancelled = true;
+    if (this.number !== null) ask(`/api/job/${this.number}`, { method: "DELETE" }).catch(() => {});
+  }
+
+  /** The number of the job that a request starts, and its result. */
+  async done(path, options = { method: "POST" }) {
+    const began = performance.now();
+    this.cancelled = false;
+    this.out.textContent = "";
+    try {
+      const { job } = await json(path, options);
+      this.number = job;
+      if (this.cancelled) this.cancel();
+      for (let pause = 10; ; pause = Math.min(2 * pause, 200)) {
+        await new Promise((go) => setTimeout(go, pause));
+        const found = await json(`/api/job/${job}`);
+        if (found.result) return { job, result: found.result };
+        if (performance.now() - began < 300) continue;
+        this.out.textContent = `${Math.round((100 * found.done) / Math.max(found.total, 1))} %`;
+        this.button.hidden = false;
+      }
+    } finally {
+      this.number = null;
+      this.button.hidden = true;
+      this.out.textContent = "";
+    }
   }
 }
 

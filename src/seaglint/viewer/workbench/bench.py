@@ -1,4 +1,4 @@
-"""Page of the workbench: the form on the left, pictures of its scenario on the right, in the style of the viewer's pages.
+"""Page of the workbench: pictures of a scenario, and beside them the form that changes it, in the style of the viewer's pages.
 
 Pictures are drawn again shortly after the last change; a newer change replaces a picture in progress.
 """
@@ -26,8 +26,11 @@ from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Pain
 from seaglint.viewer.workbench.sun_card import Daylight
 from seaglint.viewer.workbench.svg_pictures import PlanView, Quantity, distance, map_svg, plan, plan_svg
 
-#: Style sheet of the page, and the script of its theme.
-_HEAD: Final = '<link rel="stylesheet" href="/static/workbench.css"><script src="/static/theme.js"></script>'
+#: Style sheets of the page, and the script of its theme.
+_HEAD: Final = (
+    '<link rel="stylesheet" href="/static/theme.css"><link rel="stylesheet" href="/static/workbench.css">'
+    '<script src="/static/theme.js"></script>'
+)
 
 _THEMES: Final = (
     '<label>theme <select data-theme-choice><option value="">system</option><option value="light">light</option>'
@@ -183,22 +186,23 @@ class Bench:
     def build(self) -> None:
         """Build the page in the current slot."""
         with ui.element("div").classes("columns"):
-            self._left = ui.column().classes("left")
-            with ui.column().classes("right"):
-                self._problems = ui.column().classes("problems").props("data-problems")
+            with ui.column().classes("drawn"):
+                self._problems = ui.column().classes("problems alert").props("data-problems")
                 self._problems.set_visibility(False)
                 with ui.row().classes("pictures"):
                     self._maps = {job: self._map(job) for job in _TITLES}
                 with ui.row().classes("pictures"):
                     self._around()
                 self._writing()
+            # Last, so that the Tab key reaches the pictures first where they are above the form.
+            self._fields = ui.column().classes("form")
         self._refill()
         self.changed()
 
     def _refill(self) -> None:
         """Build the form again, since tables were added or removed."""
-        self._left.clear()
-        with self._left:
+        self._fields.clear()
+        with self._fields:
             self._form = Form(self._draft, self.changed)
             self._form.build()
 
