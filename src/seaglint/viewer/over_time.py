@@ -120,9 +120,11 @@ def project(source: ViewerSource, layer: str | None, progress: Progress) -> Json
         image = source.read_once(frame, chosen.name).astype(np.float64)
         finite = np.isfinite(image)
         count += finite
-        change = np.where(finite, image - mean, 0.0)
+        # A missing value is replaced by the mean so far, which changes neither mean nor deviation.
+        image = np.where(finite, image, mean)
+        change = image - mean
         mean += change / np.maximum(count, 1)
-        squares += np.where(finite, change * (image - mean), 0.0)
+        squares += change * (image - mean)
         np.maximum(largest, image, out=largest, where=finite)
     seen = count > 0
     images = (mean, np.sqrt(squares / np.maximum(count, 1)), largest)

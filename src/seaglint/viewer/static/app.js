@@ -247,6 +247,7 @@ function arrange() {
   }
   if (!wanted.includes(state.active)) state.active = "a";
   const wide = state.meta.a.columns > 1.7 * state.meta.a.rows;
+  $("panes").style.setProperty("--shape", state.meta.a.rows / state.meta.a.columns);
   $("panes").className = wanted.length === 1 || (wanted.length === 2 && wide) ? "one" : "two";
 }
 

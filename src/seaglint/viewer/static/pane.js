@@ -1,7 +1,7 @@
 // One picture with its axes: levels become colours here, zoom and pan are shared by all panes.
 import { boxOf, handles, outline } from "./shapes.js";
 import { colourOf } from "./state.js";
-import { FONT, INK, digits, fitted, sized, ticks, within } from "./tools.js";
+import { FONT, INK, digits, fitted, minus, sized, ticks, within } from "./tools.js";
 
 const MARGIN = { left: 52, right: 46, top: 40, bottom: 74 };
 const MISSING = [28, 44, 58];
@@ -205,7 +205,7 @@ export class Pane {
     const pixel = (low, high, many) => ticks(low - 0.5, high - 0.5, many).filter(Number.isInteger).map((v) => [v + 0.5, String(v)]);
     const degrees = (values, [low, high], many) => {
       const value = (place) => interpolate(values, place - 0.5);
-      return ticks(value(low), value(high), many).map((v) => [inverse(values, v) + 0.5, `${v}°`]).filter(([place]) => place >= low && place <= high);
+      return ticks(value(low), value(high), many).map((v) => [inverse(values, v) + 0.5, `${minus(String(v))}°`]).filter(([place]) => place >= low && place <= high);
     };
     const draw = (list, at, text) => { for (const [place, label] of list) { const [x, y, dx, dy] = at(place); pen.beginPath(); pen.moveTo(x, y); pen.lineTo(x + dx, y + dy); pen.stroke(); text(label, x + 1.6 * dx, y + 1.6 * dy); } };
     const horizontal = (y, d) => (place) => [p.left + place * p.size, y, 0, d];

@@ -1,7 +1,7 @@
 // Plots off which values are read: by pointing, or with the arrow keys when a plot has the focus.
-import { FONT, INK, digits, fitted, power, rate, reading, sized, ticks } from "./tools.js";
+import { FONT, INK, digits, fitted, minus, power, rate, reading, sized, ticks } from "./tools.js";
 
-const ROOM = { left: 54, right: 10, top: 8, bottom: 34 };
+const ROOM = { left: 54, right: 10, top: 8, bottom: 34 }; // at the left more where labels need it
 
 /** Smallest and largest of the values that are numbers; null without any. */
 function ends(lists) {
@@ -19,7 +19,7 @@ function labelled(low, high, many, scale) {
   for (let more = many; places.length < 3 && more < 4 * many; more *= 1.5) places = ticks(low, high, more);
   if (places.length < 2) return (low === high ? [low] : places).map((v) => [v, digits(v / scale, 6)]);
   const decimals = Math.max(0, -Math.floor(Math.log10(Math.abs(places[1] - places[0]) / scale) + 1e-9));
-  return places.map((v) => [v, (v / scale).toFixed(Math.min(decimals, 12))]);
+  return places.map((v) => [v, minus((v / scale).toFixed(Math.min(decimals, 12)))]);
 }
 
 export class Plot {
@@ -73,10 +73,10 @@ export class Plot {
   }
 
   /** x of a limit; those outside stand at the ends. */
-  within(v) { return Math.min(Math.max(this.x(v), ROOM.left), this.canvas.clientWidth - ROOM.right); }
+  within(v) { return Math.min(Math.max(this.x(v), this.box.x), this.box.r); }
 
   drag(x) {
-    const limits = [...this.data.limits], inside = Math.min(Math.max(x, ROOM.left), this.canvas.clientWidth - ROOM.right);
+    const limits = [...this.data.limits], inside = Math.min(Math.max(x, this.box.x), this.box.r);
     limits[this.held] = this.valueAt(inside);
     if (!(limits[0] < limits[1])) return;
     this.data.limits = limits;
@@ -107,7 +107,7 @@ export class Plot {
     const box = { x: ROOM.left, y: ROOM.top, r: width - ROOM.right, b: height - ROOM.bottom };
     pen.clearRect(0, 0, width, height);
     pen.font = FONT;
-    const across = ends(series.map((s) => s.edges || s.xs));
+    const across = ends(series.map((s) => s.edges || s.xs)), atX = across && [...across];
     // Bars set the range; the curves over them may leave it.
     let up = ends((series[0]?.bars ? series.slice(0, 1) : series).map((s) => (log ? s.values.filter((v) => v > 0) : s.values)));
     this.x = null;
@@ -118,11 +118,18 @@ export class Plot {
     if (log) up = [Math.log10(up[0]) - 0.1, Math.log10(up[1]) + 0.1];
     else if (up[0] === up[1]) { const half = Math.abs(up[0]) * 1e-3 || 0.5; up = [up[0] - half, up[1] + half]; }
     else { const room = 0.06 * (up[1] - up[0]); up = series[0].bars ? [0, up[1] + 2 * room] : [up[0] - room, up[1] + room]; }
+    const tens = { x: exponent(...atX), y: log ? 0 : exponent(...up) }, many = Math.max((box.b - box.y) / 26, 3);
+    const rows = log
+      ? ticks(...up, Math.min(many, up[1] - up[0])).filter(Number.isInteger).map((v) => [10 ** v, power(v)])
+      : labelled(...up, many, 10 ** tens.y);
+    box.x = Math.max(ROOM.left, Math.ceil(Math.max(...rows.map(([, label]) => pen.measureText(label).width))) + 24);
+    this.box = box;
+    const columns = labelled(...atX, (box.r - box.x) / 75, 10 ** tens.x);
     const x = (v) => box.x + ((v - across[0]) / (across[1] - across[0])) * (box.r - box.x);
     const y = (v) => box.b - (((log ? Math.log10(v) : v) - up[0]) / (up[1] - up[0])) * (box.b - box.y);
     this.x = x;
     this.valueAt = (place) => across[0] + ((place - box.x) / (box.r - box.x)) * (across[1] - across[0]);
-    this.axes(pen, box, x, across, up, y, width, height);
+    this.axes(pen, box, { x, y, tens, columns, rows }, height);
     pen.save();
     pen.beginPath();
     pen.rect(box.x, box.y, box.r - box.x, box.b - box.y);
@@ -156,33 +163,28 @@ export class Plot {
     series.filter((one) => !one.bars).forEach((one, i) => { pen.fillStyle = one.colour; pen.fillText(one.name, box.r - 6, box.y + 3 + 13 * i); });
   }
 
-  axes(pen, box, x, across, up, y, width, height) {
-    const { data } = this, scale = (range) => exponent(...range);
-    const text = ({ name, unit }, tens) => { const inside = [tens ? power(tens) : "", unit].filter(Boolean).join(" "); return inside ? `${name} [${inside}]` : name; };
-    const tensX = scale(across), tensY = data.log ? 0 : scale(up);
+  axes(pen, box, { x, y, tens, columns, rows }, height) {
+    const { data } = this;
+    const text = ({ name, unit }, n) => { const inside = [n ? power(n) : "", unit].filter(Boolean).join(" "); return inside ? `${name} [${inside}]` : name; };
     pen.strokeStyle = INK.line;
     pen.lineWidth = 1;
     pen.strokeRect(Math.round(box.x) - 0.5, Math.round(box.y) - 0.5, Math.round(box.r - box.x) + 1, Math.round(box.b - box.y) + 1);
     pen.fillStyle = INK.faint;
     pen.textAlign = "center";
     pen.textBaseline = "top";
-    for (const [v, label] of labelled(...across, (box.r - box.x) / 75, 10 ** tensX)) { pen.fillRect(Math.round(x(v)), box.b, 1, 4); pen.fillText(label, Math.min(Math.max(x(v), box.x + 4), box.r - 8), box.b + 5); }
+    for (const [v, label] of columns) { pen.fillRect(Math.round(x(v)), box.b, 1, 4); pen.fillText(label, Math.min(Math.max(x(v), box.x + 4), box.r - 8), box.b + 5); }
     pen.textAlign = "right";
     pen.textBaseline = "middle";
-    const many = Math.max((box.b - box.y) / 26, 3);
-    const rows = data.log
-      ? ticks(...up, Math.min(many, up[1] - up[0])).filter(Number.isInteger).map((v) => [10 ** v, power(v)])
-      : labelled(...up, many, 10 ** tensY);
     for (const [v, label] of rows) { pen.fillRect(box.x - 4, Math.round(y(v)), 4, 1); pen.fillText(label, box.x - 6, y(v)); }
     pen.textBaseline = "bottom";
-    pen.fillText(fitted(pen, text(data.x, tensX), box.r - box.x), box.r, height - 1);
+    pen.fillText(fitted(pen, text(data.x, tens.x), box.r - box.x), box.r, height - 1);
     pen.save();
     pen.translate(9, (box.y + box.b) / 2);
     pen.rotate(-Math.PI / 2);
     pen.textAlign = "center";
     pen.textBaseline = "middle";
-    const whole = text(data.y, tensY), room = box.b + box.y - 6;
-    pen.fillText(pen.measureText(whole).width > room ? fitted(pen, text({ ...data.y, name: "" }, tensY).trim(), room) : whole, 0, 0);
+    const whole = text(data.y, tens.y), room = box.b + box.y - 6;
+    pen.fillText(pen.measureText(whole).width > room ? fitted(pen, text({ ...data.y, name: "" }, tens.y).trim(), room) : whole, 0, 0);
     pen.restore();
   }
 

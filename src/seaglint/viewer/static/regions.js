@@ -33,10 +33,10 @@ function words({ shape, numbers }) {
 /** Statistics of all regions of this frame, and the histogram of the chosen one. */
 export const region = latest(async () => {
   const one = chosen();
-  $("region-tools").hidden = $("histogram-box").hidden = !one;
+  $("region-tools").hidden = !one;
   $("regions").hidden = !state.regions.length;
   $("courses-box").hidden = !courses;
-  if (!one) { $("region").replaceChildren(); $("regions").replaceChildren(); $("region-where").textContent = "draw one: choose a shape above, or drag with Shift"; return; }
+  if (!one) { $("histogram-box").hidden = true; $("region").replaceChildren(); $("regions").replaceChildren(); $("region-where").textContent = "draw one: choose a shape above, or drag with Shift"; return; }
   $("region-where").textContent = words(one);
   try {
     const where = `${active()}/${state.frame}`;
@@ -112,10 +112,10 @@ function key(event, number) {
 }
 
 function details(found) {
+  $("histogram-box").hidden = Boolean(found.reason);
   if (found.reason) {
     $("region").replaceChildren();
     $("region-where").textContent = found.reason;
-    plots.histogram.set({ series: [], x: {}, y: {} });
     return;
   }
   const { gamma, gaussian } = found.fits, value = (v) => within(v, found.std), three = (v) => digits(v, 3);
@@ -172,8 +172,13 @@ export function recourse() {
   });
 }
 
-/** Courses of another layer or source are not those shown. */
-export function forget() { courses = null; recourse(); }
+/** Courses and analyses of another layer, source or shape are not those shown. */
+export function forget() {
+  courses = null;
+  recourse();
+  $("analysis").textContent = "";
+  $("analysis-save").hidden = true;
+}
 
 /** What analyze tells of the region; asked for until it is there. */
 async function analyse(all) {
@@ -183,7 +188,7 @@ async function analyse(all) {
     const { job, result } = await analysis.done(`/api/analysis/${active()}/${state.frame}?${layerQuery()}&all=${all ? 1 : 0}`, body([chosen()]));
     const best = Object.entries(result.fits).filter(([, fit]) => fit.ks !== null).sort((x, y) => x[1].ks - y[1].ks)[0];
     const alarm = result.false_alarms[0];
-    $("analysis").textContent = (best ? `nearest distribution: ${best[0]} (Kolmogorov-Smirnov distance ${digits(best[1].ks, 3)}); ` : "") + `above ${alarm.threshold_sigma} σ: ${digits(alarm.rate, 3)} per pixel. Save all:`;
+    $("analysis").textContent = (all ? "all frames: " : `frame ${result.frame}: `) + (best ? `nearest distribution: ${best[0]} (Kolmogorov-Smirnov distance ${digits(best[1].ks, 3)}); ` : "") + `above ${alarm.threshold_sigma} σ: ${digits(alarm.rate, 3)} per pixel. Save all:`;
     $("analysis").dataset.result = JSON.stringify(result);
     for (const kind of ["json", "csv"]) $(`save-${kind}`).href = `/api/job/${job}?save=${kind}`;
     $("analysis-save").hidden = false;

@@ -90,14 +90,20 @@ export const profile = latest(async () => {
 /** Pixels above the threshold, on the picture and as a rate. */
 export async function threshold() {
   const pane = state.panes[state.active === "b" && state.b !== null ? "b" : "a"];
-  if (!$("threshold-on").checked) {
+  const nothing = () => {
     Object.values(state.panes).forEach((other) => other.setMask(null));
     $("threshold-table").replaceChildren();
     $("threshold-plot-box").hidden = true;
+  };
+  if (!$("threshold-on").checked) { nothing(); return; }
+  const query = new URLSearchParams([["sigma", $("threshold").value], ["filter", $("threshold-filter").value], ["layer", $("layer").value]]);
+  let found;
+  try { found = await json(`/api/exceedances/${active()}/${state.frame}?${query}`, chosen() ? body([chosen()]) : { method: "POST" }); } catch (error) {
+    if (error.gone || error.name === "AbortError") throw error;
+    nothing();
+    fill($("threshold-table"), [{ label: error.message, values: [] }]);
     return;
   }
-  const query = new URLSearchParams([["sigma", $("threshold").value], ["filter", $("threshold-filter").value], ["layer", $("layer").value]]);
-  const found = await json(`/api/exceedances/${active()}/${state.frame}?${query}`, chosen() ? body([chosen()]) : { method: "POST" });
   Object.values(state.panes).forEach((other) => other.setMask(other === pane ? bytes(found.mask) : null));
   const rows = [
     { id: "threshold-count", label: "pixels above", values: [found.exceedances], unit: `of ${found.pixels}` },

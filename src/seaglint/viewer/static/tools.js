@@ -6,9 +6,13 @@ const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 /** A power of ten as it is printed. */
 export const power = (n) => "10" + (n < 0 ? "⁻" : "") + [...String(Math.abs(n))].map((digit) => RAISED[digit]).join("");
 
+/** Text of a number with the minus of print. */
+export const minus = (text) => text.replace("-", "−");
+
 /** A number with so many significant digits; very small and very large ones by a power of ten. */
 export function digits(value, many = 4) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  if (value < 0) return minus(`-${digits(-value, many)}`);
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-3 || size >= 1e6)) return scientific(value, many);
   if (Number.isInteger(value)) return String(value);
@@ -26,11 +30,14 @@ export const rate = (value) => (value === null || value === 0 || value >= 0.1 ? 
 /** A value of values that spread: digits down to a hundredth of their deviation. */
 export function within(value, spread) {
   if (value === null || !(spread > 0) || Math.abs(value) >= 1e6 || (value !== 0 && Math.abs(value) < 1e-3)) return digits(value);
-  return value.toFixed(Math.min(Math.max(2 - Math.floor(Math.log10(spread)), 0), 7));
+  return minus(value.toFixed(Math.min(Math.max(2 - Math.floor(Math.log10(spread)), 0), 7)));
 }
 
 /** A value as it is read off: hundredths of a degree, thousandths of a direction, five digits otherwise. */
-export const reading = (value, unit) => (value !== null && ["K", "°C"].includes(unit) ? value.toFixed(2) : value !== null && unit === "°" ? value.toFixed(3) : digits(value, 5));
+export function reading(value, unit) {
+  const decimals = { K: 2, "°C": 2, "°": 3 }[unit];
+  return value === null || decimals === undefined ? digits(value, 5) : minus(value.toFixed(decimals));
+}
 
 /** Ticks at round numbers between two ends. */
 export function ticks(low, high, wanted) {

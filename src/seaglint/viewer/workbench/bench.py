@@ -347,9 +347,8 @@ class Bench:
         else:
             self._pictures[job] = result
             columns, rows = result.radiance.shape[::-1]
-            words.set_text(
-                f"{columns} x {rows} pixels for {result.pixels[0]} x {result.pixels[1]} of the scenario, computed in {result.seconds:.1f} s"
-            )
+            size = f"{columns} x {rows} pixels for {result.pixels[0]} x {result.pixels[1]} of the scenario"
+            words.set_text(f"{size}, computed in {result.seconds:.1f}\u00a0s")
             words.classes(remove="wrong")
             picture.classes(remove="old")
             picture.content = map_svg(result, self._quantity, _TITLES[job])
@@ -361,8 +360,10 @@ class Bench:
         with self._problems:
             for mistake in mistakes:
                 ui.label(mistake.text)
-        for picture, _ in self._maps.values():
+        for job, (picture, words) in self._maps.items():
             picture.classes(add="old") if mistakes else picture.classes(remove="old")
+            if mistakes:
+                words.set_text("of the last valid scenario" if job in self._pictures else "is drawn when the scenario is valid")
         self.status.set_text(
             f"{len(mistakes)} {'error' if len(mistakes) == 1 else 'errors'} to correct" if mistakes else "the scenario is valid"
         )

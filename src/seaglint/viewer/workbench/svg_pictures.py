@@ -263,12 +263,17 @@ def _pieces(view: PlanView, far: float) -> Iterator[str]:
     for ring in rings(far):
         r = _RADIUS * ring / far
         yield f'<circle cx="{middle:g}" cy="{middle:g}" r="{r:.1f}" fill="none" stroke="currentColor" stroke-opacity=".22"/>'
-        yield f'<text x="{middle + 4:g}" y="{middle - r - 3:.1f}" opacity=".65">{distance(ring)}</text>'
     if view.horizon <= far:
         r = _RADIUS * view.horizon / far
         yield f'<circle class="horizon" cx="{middle:g}" cy="{middle:g}" r="{r:.1f}" fill="none" stroke="{VIEW}" stroke-dasharray="6 4"/>'
         # In the corner, which no circle reaches.
         yield f'<text x="{_SIZE - 3:g}" y="{_SIZE - 5:g}" text-anchor="end">horizon {distance(view.horizon)}</text>'
+    for ring in rings(far):
+        # Over the horizon's line, on a ground of its own.
+        yield (
+            f'<text x="{middle + 4:g}" y="{middle - _RADIUS * ring / far - 3:.1f}" fill="var(--faint)" stroke="var(--panel)" '
+            f'stroke-width="4" paint-order="stroke">{distance(ring)}</text>'
+        )
     for azimuth, name in ((0, "N"), (90, "E"), (180, "S"), (270, "W")):
         x, y = _polar(azimuth, _RADIUS + 13).split(",")
         yield f'<text x="{x}" y="{y}" text-anchor="middle" dominant-baseline="central" font-weight="600">{name}</text>'
