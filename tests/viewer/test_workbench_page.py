@@ -19,7 +19,7 @@ from seaglint.scenario.load import load_scenario, parse_scenario
 
 pytest.importorskip("nicegui")
 
-from .page import CHROMIUM, FAINT_TEXTS, LEAST_CONTRAST
+from .page import CHROMIUM, FAINT_TEXTS, LEAST_CONTRAST, shrink
 
 playwright = pytest.importorskip("playwright.sync_api")
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -85,7 +85,9 @@ def test_a_change_is_drawn_and_saved(browser, tmp_path):
         first, compass = drawn(page), picture(page, "compass").inner_html()
         assert "swimmer" in picture(page, "plan").inner_html()
         if SCREENSHOTS:
-            page.screenshot(path=Path(SCREENSHOTS) / "viewer-workbench.png")
+            guide = Path(SCREENSHOTS) / "viewer-workbench.png"
+            page.screenshot(path=guide)
+            shrink(guide)
         page.locator('input[data-key="wind.from_deg"]').fill("90")
         page.locator('input[data-key="wind.speed_m_s"]').fill("18 kn")
         began = time.perf_counter()

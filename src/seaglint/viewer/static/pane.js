@@ -3,7 +3,7 @@ import { boxOf, handles, outline } from "./shapes.js";
 import { colourOf } from "./state.js";
 import { FONT, INK, digits, fitted, minus, sized, ticks, within } from "./tools.js";
 
-const MARGIN = { left: 52, right: 46, top: 40, bottom: 74 };
+const MARGIN = { left: 52, right: 46, top: 46, bottom: 74 };
 const MISSING = [28, 44, 58];
 
 /** What part of the pictures is seen: middle as shares of width and height, and magnification. */

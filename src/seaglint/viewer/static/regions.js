@@ -51,7 +51,7 @@ export const region = latest(async () => {
 
 function list({ regions, unit, frame }) {
   const table = document.createElement("tbody"), head = table.insertRow();
-  for (const text of ["", `mean${unit ? ` [${unit}]` : ""}`, "deviation", "pixels", ""]) head.insertCell().textContent = text;
+  for (const text of ["", unit ? `mean\n[${unit.replaceAll(" ", "\u00a0")}]` : "mean", "deviation", "pixels", ""]) head.insertCell().textContent = text;
   regions.forEach((found, number) => {
     if (!state.regions[number]) return;
     const row = table.insertRow(), name = document.createElement("button"), gone = document.createElement("button"), swatch = document.createElement("i");
@@ -164,7 +164,7 @@ async function follow() {
 export function recourse() {
   $("courses-box").hidden = !courses;
   if (!courses) return;
-  $("courses-where").textContent = short(courses.label);
+  $("courses-where").textContent = `means of ${short(courses.label)}`;
   const { xs, x, now } = course(courses);
   plots.courses.set({
     series: courses.means.map((values, i) => ({ name: courses.names[i], colour: colourOf(i, INK.series), xs, values })),

@@ -123,7 +123,7 @@ def _bar(scale: Scale, quantity: Quantity, left: float, height: float) -> Iterat
     for share, label in zip(shown, labels, strict=True):
         y = min(max(_TOP + height * (1.0 - share), _TOP + 5), _TOP + height - 5)
         yield f'<text x="{left + 17:.1f}" y="{y:.1f}" dominant-baseline="central">{label}</text>'
-    unit, x, y = VARIABLES[quantity].symbol or VARIABLES[quantity].units, left + _RIGHT[quantity] - 24, _TOP + height / 2
+    unit, x, y = VARIABLES[quantity].symbol or VARIABLES[quantity].units, left + _RIGHT[quantity] - 22, _TOP + height / 2
     unit += " (°C)" if quantity == "apparent_temperature" else ""
     unit += ", log" if scale.logarithmic else ""
     yield f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle" transform="rotate(-90 {x:.1f} {y:.1f})">{unit}</text>'
