@@ -262,6 +262,21 @@ def test_a_phone_has_pictures_first_and_buttons_for_fingers(browser, bench):
         assert all(after >= before - 40 for before, after in itertools.pairwise(tops))  # things of one line differ in height
 
 
+def test_values_are_read_off_the_maps(browser, bench):
+    with opened(browser, bench) as page:
+        drawn(page)
+        value = page.locator('[data-value="mean"]')
+        box = picture(page, "mean").locator("image").first.bounding_box()
+        page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+        playwright.expect(value).to_have_text(
+            re.compile(r"^azimuth 1(79|80)\.\d\d°, elevation \u22123\.\d\d°: [\d.]+ W m⁻² sr⁻¹, \d{3}\.\d\d K \([\d.]+ °C\)$")
+        )
+        kelvin, celsius = re.search(r"([\d.]+) K \(([\d.]+) °C\)", value.inner_text()).groups()
+        assert float(kelvin) - float(celsius) == pytest.approx(273.15, abs=0.011)
+        page.mouse.move(box["x"] - 20, box["y"] + 0.5 * box["height"])
+        playwright.expect(value).to_have_text("point at the picture, or tap it, to read values")
+
+
 def test_temperatures_are_in_celsius_too(browser, bench):
     with opened(browser, bench) as page:
         drawn(page)

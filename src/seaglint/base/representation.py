@@ -75,7 +75,7 @@ def decimals(value: float, most: int = 2) -> str:
 
     Examples
     --------
-    >>> decimals(7.20222), decimals(290.15), decimals(-0.001), decimals(100.0), decimals(4.5e-3, 3)
+    >>> decimals(7.20222), decimals(290.15), decimals(-0.001), decimals(100.0), decimals(4.6e-3, 3)
     ('7.2', '290.15', '0', '100', '0.005')
     """
     text = f"{value:.{most}f}"

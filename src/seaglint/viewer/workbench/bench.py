@@ -24,7 +24,7 @@ from seaglint.viewer.workbench.scenario_draft import Draft, Keys, mistakes_of
 from seaglint.viewer.workbench.scenario_form import Form
 from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Painter, PreviewPicture
 from seaglint.viewer.workbench.sun_card import Daylight
-from seaglint.viewer.workbench.svg_pictures import PlanView, Quantity, distance, map_svg, plan, plan_svg
+from seaglint.viewer.workbench.svg_pictures import PlanView, Quantity, distance, map_svg, plan, plan_svg, value_at
 
 #: Style sheets of the page, and the script of its theme.
 _HEAD: Final = (
@@ -36,6 +36,14 @@ _THEMES: Final = (
     '<label>theme <select data-theme-choice><option value="">system</option><option value="light">light</option>'
     '<option value="dark">dark</option></select></label>'
 )
+
+_POINT: Final = "point at the picture, or tap it, to read values"
+
+#: Sends the place of the pointer in shares of the picture's width and height.
+_PLACE: Final = """(event) => {
+  const box = event.currentTarget.querySelector("svg")?.getBoundingClientRect();
+  if (box) emit((event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height);
+}"""
 
 JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
 
@@ -217,7 +225,15 @@ class Bench:
                         on_change=lambda e: self._of(e.value),
                     ).props("dense no-caps unelevated size=sm toggle-text-color=on-mark data-do=quantity")
             picture = ui.html("", sanitize=False).classes("picture").props(f'data-picture="{job}"')
-            return picture, ui.label("").classes("faint").props(f'data-words="{job}"')
+            words = ui.label("").classes("faint").props(f'data-words="{job}"')
+            value = ui.label(_POINT).classes("faint").props(f'data-value="{job}" aria-live=polite')
+            for event in ("pointermove", "pointerdown"):
+                picture.on(event, lambda e: value.set_text(self._value(job, *e.args)), throttle=0.1, js_handler=_PLACE)
+            return picture, words
+
+    def _value(self, job: Job, across: float, down: float) -> str:
+        """Return the values at a place of a picture, given in shares of its width and height."""
+        return (job in self._pictures and value_at(self._pictures[job], self._quantity, across, down)) or _POINT
 
     def _around(self) -> None:
         with ui.column().classes("card third"):
