@@ -135,7 +135,7 @@ export function files() {
 }
 
 /** A refusal is told instead of replacing the page. */
-export function save(event) {
+function save(event) {
   event.preventDefault();
   saved(event.currentTarget.href).catch(say);
 }

@@ -54,7 +54,7 @@ export function ticks(low, high, wanted) {
 /** What a layer is, short enough for a panel. */
 export const short = (label) => label.replace("in-band radiance at the aperture", "radiance").replace("in-band ", "").replace(/ of the line of sight.*| from the sensor to the sea.*|, mean over what.*/, "");
 
-export class Told extends Error {
+class Told extends Error {
   constructor(text, gone) { super(text); this.gone = gone; }
 }
 
