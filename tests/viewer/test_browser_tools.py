@@ -321,6 +321,20 @@ def test_a_finger_probes_and_marks_a_region_on_a_phone(chromium, store):
     leave(viewer, seen)
 
 
+def test_a_finger_moves_a_region_of_a_whole_picture(chromium, store):
+    viewer, seen = visit(chromium, store, size=(390, 844), has_touch=True, is_mobile=True)
+    seen.page.evaluate(
+        "seaglint.state.regions.push({ shape: 'rectangle', numbers: [10, 8, 20, 12], name: '1' }); seaglint.state.chosen = 0"
+    )
+    touch = seen.context.new_cdp_session(seen.page)
+    for kind, place in [("touchStart", (25, 8)), ("touchMove", (25, 14)), ("touchMove", (25, 20)), ("touchEnd", None)]:
+        points = [] if place is None else [dict(zip("xy", seen.at(*place), strict=True))]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    assert numbers(seen) == [10, 20, 20, 12]
+    assert seen.page.evaluate("scrollY") == 0
+    leave(viewer, seen)
+
+
 def test_a_link_and_a_file_bring_the_view_back(chromium, served, seen, tmp_path):
     seen.scrub(6)
     seen.on("layer").select_option("apparent_temperature_celsius")
