@@ -56,11 +56,12 @@ FAINT_TEXTS = """least => {
 }"""
 
 
-def shrink(picture: Path) -> None:
-    """Write a picture of the guide with a palette, which keeps the few pixels of the marks' colours and halves the file."""
+def shrink(picture: Path, *, glint: bool = False) -> None:
+    """Write a picture of the guide with a palette, which halves the file; of much ``glint`` with few greys, whose noise fills it."""
     from PIL import Image
 
-    Image.open(picture).convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(picture, optimize=True)
+    method = Image.Quantize.MAXCOVERAGE if glint else Image.Quantize.MEDIANCUT
+    Image.open(picture).convert("RGB").quantize(256, method, dither=Image.Dither.NONE).save(picture, optimize=True)
     assert picture.stat().st_size < 150_000
 
 

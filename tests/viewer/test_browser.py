@@ -229,7 +229,7 @@ def test_screenshots(chromium, tmp_path):
     seen.page.wait_for_timeout(500)
     picture = folder / "viewer-sequence.png"
     seen.page.screenshot(path=str(picture))
-    shrink(picture)
+    shrink(picture, glint=True)
     seen.end()
     viewer.end()
 
