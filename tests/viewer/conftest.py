@@ -100,6 +100,6 @@ def seen(chromium, served) -> Iterator[Seen]:
 
     page = Seen(chromium, served)
     page.on("source-b").select_option("")
-    page.until("seaglint.state.b === null && seaglint.state.panes.a.drawn > 0")
+    page.until("seaglint.state.b === null && seaglint.state.panes.a.levels")
     yield page
     page.end()

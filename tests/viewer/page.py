@@ -17,6 +17,53 @@ if not CHROMIUM.exists():
 
 PATIENCE = 600_000  # ms; of a machine that is busy with other tests
 
+#: Lowest contrast of text by the Web Content Accessibility Guidelines, level AA.
+LEAST_CONTRAST = 4.5
+
+# Texts whose contrast with the colour behind them is too low. Opacities count; hidden texts, icons and pictures dimmed by errors do not.
+FAINT_TEXTS = """least => {
+  const draw = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
+  const rgba = (colour) => { draw.clearRect(0, 0, 1, 1); draw.fillStyle = colour; draw.fillRect(0, 0, 1, 1);
+    const [r, g, b, a] = draw.getImageData(0, 0, 1, 1).data; return [r, g, b, a / 255]; };
+  const over = (top, below) => [0, 1, 2].map((n) => top[3] * top[n] + (1 - top[3]) * below[n]).concat(1);
+  const light = (c) => c.slice(0, 3).map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, v, n) => sum + v * [0.2126, 0.7152, 0.0722][n], 0);
+  const behind = (element) => { const layers = [];
+    for (let e = element; e; e = e.parentElement) layers.push(rgba(getComputedStyle(e).backgroundColor));
+    return layers.reverse().reduce((below, top) => over(top, below), [255, 255, 255, 1]); };
+  const opacity = (element) => element ? Number(getComputedStyle(element).opacity) * opacity(element.parentElement) : 1;
+  const found = [];
+  const check = (element, colour, text) => {
+    const ground = behind(element), ink = rgba(colour);
+    ink[3] *= opacity(element);
+    const [a, b] = [light(over(ink, ground)), light(ground)].sort((x, y) => y - x);
+    const contrast = (a + 0.05) / (b + 0.05);
+    if (contrast < least) found.push(`${contrast.toFixed(2)}: ${text}`);
+    return 1;
+  };
+  let checked = 0;
+  for (const element of document.querySelectorAll('body *')) {
+    if (!element.checkVisibility({visibilityProperty: true, opacityProperty: true})) continue;
+    if (element.closest('.q-icon, .nicegui-error-popup, title, .old')) continue;
+    const own = [...element.childNodes].filter((node) => node.nodeType === 3).map((node) => node.data.trim()).join('');
+    const style = getComputedStyle(element);
+    if (own) checked += check(element, element.closest('svg') ? style.fill : style.color, own);
+    if (element.value && element.matches('input:not([type=range], [type=checkbox]), textarea'))
+      checked += check(element, style.color, element.value);
+    if (element.placeholder) checked += check(element, getComputedStyle(element, '::placeholder').color, element.placeholder);
+  }
+  return [checked, found];
+}"""
+
+
+def shrink(picture: Path, *, glint: bool = False) -> None:
+    """Write a picture of the guide with a palette, which halves the file; of much ``glint`` with few greys, whose noise fills it."""
+    from PIL import Image
+
+    method = Image.Quantize.MAXCOVERAGE if glint else Image.Quantize.MEDIANCUT
+    Image.open(picture).convert("RGB").quantize(256, method, dither=Image.Dither.NONE).save(picture, optimize=True)
+    assert picture.stat().st_size < 150_000
+
 
 class Served:
     """A viewer in this process, at a port of its own."""

@@ -22,7 +22,7 @@ from .conftest import COLUMNS, ROWS, images, layout, radiance
 
 pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
 
-from .page import PATIENCE, Seen, Served
+from .page import PATIENCE, Seen, Served, shrink
 
 
 def test_scrub_and_probe_tell_the_stores_values(seen):
@@ -208,7 +208,7 @@ def test_screenshots(chromium, tmp_path):
     given = os.environ.get("SEAGLINT_SCREENSHOT_RUN")
     run = Path(given) if given else _demo(tmp_path)
     viewer = Served(run)
-    seen = Seen(chromium, viewer, (1366, 860))
+    seen = Seen(chromium, viewer, (1240, 800))
     seen.scrub(3)
     seen.page.mouse.click(*seen.at(300, 120))
     seen.drag((200, 150), (300, 215))
@@ -218,7 +218,9 @@ def test_screenshots(chromium, tmp_path):
     seen.page.mouse.down()
     seen.page.mouse.move(*seen.at(460, 60), steps=3)
     seen.page.mouse.up()
+    seen.on("tool-pan").click()
     seen.on("threshold-on").check()
+    seen.page.locator("aside").evaluate("(panel) => panel.scrollTo(0, 0)")
     seen.page.mouse.move(*seen.at(262, 90))
     seen.until("document.querySelector('[data-testid=region-mean]') && document.querySelector('[data-testid=threshold-rate]')")
     seen.until(
@@ -227,7 +229,7 @@ def test_screenshots(chromium, tmp_path):
     seen.page.wait_for_timeout(500)
     picture = folder / "viewer-sequence.png"
     seen.page.screenshot(path=str(picture))
-    _shrink(picture)
+    shrink(picture, glint=True)
     seen.end()
     viewer.end()
 
@@ -239,11 +241,3 @@ def _demo(folder: Path) -> Path:
 
     scenario = load_scenario(Path(__file__).parents[2] / "examples" / "demo.toml")
     return render(scenario, folder / "demo.zarr", frames=range(8))
-
-
-def _shrink(picture: Path) -> None:
-    """A palette halves the file; one that keeps the few pixels of the marks' colours."""
-    from PIL import Image
-
-    Image.open(picture).convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(picture, optimize=True)
-    assert picture.stat().st_size < 300_000

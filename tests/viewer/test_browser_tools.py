@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.viewer.regions import PictureRegion, of_csv, of_imagej
+from seaglint.viewer.regions import PictureRegion, of_csv, of_imagej, to_csv
 
 from .conftest import COLUMNS, FRAMES, ROWS, radiance
+from .test_regions import star
 
 pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
 
-from .page import Seen, Served
+from .page import FAINT_TEXTS, LEAST_CONTRAST, Seen, Served
 
 pytestmark = pytest.mark.validation  # a browser: minutes
 
@@ -36,6 +37,18 @@ def point(seen: Seen, testid: str, share: float) -> str:
     box = seen.on(testid).bounding_box()
     seen.page.mouse.move(box["x"] + 54 + share * (box["width"] - 64), box["y"] + box["height"] / 2)
     return seen.on(f"{testid}-read" if testid != "threshold-plot" else "threshold-read").text_content()
+
+
+def pull(seen: Seen, first: tuple[float, float], last: tuple[float, float]) -> None:
+    """Drag from one place of the picture to another, in pixels of the picture as fractions."""
+    seen.page.mouse.move(*seen.at(first[0] - 0.5, first[1] - 0.5))
+    seen.page.mouse.down()
+    seen.page.mouse.move(*seen.at(last[0] - 0.5, last[1] - 0.5), steps=6)
+    seen.page.mouse.up()
+
+
+def numbers(seen: Seen, index: int = 0) -> list[float]:
+    return seen.page.evaluate(f"seaglint.state.regions[{index}].numbers")
 
 
 def test_values_are_read_off_a_trace_by_pointer_and_by_keys(seen):
@@ -174,6 +187,104 @@ def test_limits_are_dragged_on_the_colour_bar(seen):
     assert float(seen.on("high").input_value()) == pytest.approx(high, rel=1e-3)
 
 
+def test_limits_are_dragged_on_the_histogram(seen):
+    seen.drag((5, 5), (50, 40))
+    seen.until(MADE.format(1))
+    seen.until("seaglint.plots.histogram.data?.limits && seaglint.plots.histogram.x")
+    seen.on("histogram").scroll_into_view_if_needed()
+    box = seen.on("histogram").bounding_box()
+    low, high, left = seen.page.evaluate("(({ data, x }) => [...data.limits, x(data.limits[0])])(seaglint.plots.histogram)")
+    aim = low + 0.3 * (high - low)
+    x, y = box["x"] + max(left, 54), box["y"] + 40
+    seen.page.mouse.move(x, y)
+    seen.page.mouse.down()
+    seen.page.mouse.move(box["x"] + seen.page.evaluate(f"seaglint.plots.histogram.x({aim})"), y, steps=5)
+    assert seen.on("histogram-read").text_content().startswith("limits of the scale: ")
+    seen.page.mouse.up()
+    seen.until(f"Math.abs(seaglint.state.panes.a.scale.values[0] - {aim}) < {0.02 * (high - low)}")
+    assert seen.on("scaling").input_value() == "limits"
+    assert seen.page.evaluate("seaglint.state.panes.a.scale.values[4]") == pytest.approx(high, rel=1e-3)
+
+
+def test_regions_are_moved_and_resized_by_pointer(seen):
+    seen.drag((10, 8), (29, 27))
+    seen.until(MADE.format(1))
+    pull(seen, (14, 8), (20, 13))  # its upper side, away from the handles
+    assert numbers(seen) == [16, 13, 20, 20]
+    pull(seen, (36, 33), (50, 40))  # its lower right corner
+    assert numbers(seen) == [16, 13, 34, 27]
+    pull(seen, (16, 26.5), (4, 20))  # the middle of its left side moves that side alone
+    assert numbers(seen) == [4, 13, 46, 27]
+    expected = radiance(0)[13:40, 4:50].mean(dtype=float)
+    seen.until(f"Math.abs(document.querySelector('[data-testid=regions-mean]')?.dataset.value - {expected}) < 1e-9")
+    pull(seen, (9, 13), (-30, -30))
+    assert numbers(seen) == [0, 0, 46, 27]  # not out of the picture
+    seen.on("tool-polygon").click()
+    for corner in [(50, 30), (60, 32), (55, 44), (50, 30)]:
+        seen.page.mouse.click(*seen.at(*corner))
+    seen.until(MADE.format(2))
+    seen.on("tool-pan").click()
+    first = numbers(seen, 1)
+    pull(seen, (first[2], first[3]), (62, 40))
+    assert numbers(seen, 1) == pytest.approx([*first[:2], 62, 40, *first[4:]], abs=0.11)
+
+
+def test_regions_are_moved_resized_and_removed_by_keys(seen):
+    seen.drag((10, 8), (29, 27))
+    seen.until(MADE.format(1))
+    seen.on("region-choose").focus()
+    for key in ("ArrowRight", "ArrowRight", "Control+ArrowDown", "Shift+ArrowLeft", "Shift+Control+ArrowDown"):
+        seen.page.keyboard.press(key)
+    assert numbers(seen) == [12, 18, 19, 30]
+    expected = radiance(0)[18:48, 12:31].mean(dtype=float)
+    seen.until(f"Math.abs(document.querySelector('[data-testid=regions-mean]')?.dataset.value - {expected}) < 1e-9")
+    assert seen.page.evaluate("document.activeElement.dataset.testid") == "region-choose"
+    assert seen.page.evaluate("seaglint.state.frame") == 0
+    seen.page.keyboard.press("Delete")
+    seen.until("seaglint.state.regions.length === 0 && document.getElementById('regions').hidden")
+
+
+def test_a_polygon_drawn_by_hand_is_loaded_counted_and_resized(seen):
+    region = star(3000)
+    seen.on("regions-load").set_input_files({"name": "r.csv", "mimeType": "text/csv", "buffer": to_csv([region]).encode()})
+    seen.until(MADE.format(1))
+    assert seen.number("regions-mean") == pytest.approx(radiance(0)[region.mask(ROWS, COLUMNS)].mean(dtype=float))
+    seen.on("threshold-on").check()
+    seen.until("document.getElementById('threshold-table').dataset.sigma")
+    assert seen.on("threshold-count").count() == 1
+    left, right = min(region.numbers[::2]), max(region.numbers[::2])
+    pull(seen, (right, 24), (left + (right - left) / 2, 24))  # by its box: the middle of its right side
+    assert max(numbers(seen)[::2]) == pytest.approx(left + (right - left) / 2, abs=1.1)
+
+
+def test_a_pixel_in_time_shows_its_progress_and_is_cancelled(chromium, tmp_path):
+    np.lib.format.open_memmap(tmp_path / "long.npy", "w+", np.float32, (60_000, 128, 160))[::500] = 1.0
+    viewer, seen = visit(chromium, tmp_path / "long.npy")
+    seen.page.mouse.click(*seen.at(12, 9))
+    seen.on("trace-cancel").click()
+    seen.until("document.getElementById('trace-read').textContent === 'cancelled; click a pixel to read it'")
+    seen.page.mouse.click(*seen.at(14, 9))
+    seen.page.mouse.click(*seen.at(16, 9))  # given up for this one
+    seen.until("JSON.parse(document.getElementById('trace').dataset.values || '[]').length === 60000")
+    assert seen.on("trace-where").text_content().startswith("column 16, row 9")
+    leave(viewer, seen)
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_every_text_of_the_page_stands_out(chromium, served, theme):
+    seen = Seen(chromium, served, color_scheme=theme)
+    seen.drag((10, 8), (29, 27))
+    seen.until(MADE.format(1))
+    seen.on("threshold-on").check()
+    seen.page.get_by_text("Save", exact=True).click()
+    seen.page.mouse.click(*seen.at(12, 9))
+    seen.until("document.getElementById('trace').dataset.values && document.getElementById('threshold-table').dataset.sigma")
+    checked, faint = seen.page.evaluate(FAINT_TEXTS, LEAST_CONTRAST)
+    assert checked > 80
+    assert faint == []
+    seen.end()
+
+
 def test_arrows_move_the_probe_and_shift_grows_a_region(seen):
     seen.scrub(2)
     seen.on("canvas-a").focus()
@@ -207,6 +318,20 @@ def test_a_finger_probes_and_marks_a_region_on_a_phone(chromium, store):
     for corner in [(10, 10), (40, 12), (20, 40), (10, 10)]:
         seen.page.touchscreen.tap(*seen.at(*corner))
     seen.until(MADE.format(1))
+    leave(viewer, seen)
+
+
+def test_a_finger_moves_a_region_of_a_whole_picture(chromium, store):
+    viewer, seen = visit(chromium, store, size=(390, 844), has_touch=True, is_mobile=True)
+    seen.page.evaluate(
+        "seaglint.state.regions.push({ shape: 'rectangle', numbers: [10, 8, 20, 12], name: '1' }); seaglint.state.chosen = 0"
+    )
+    touch = seen.context.new_cdp_session(seen.page)
+    for kind, place in [("touchStart", (25, 8)), ("touchMove", (25, 14)), ("touchMove", (25, 20)), ("touchEnd", None)]:
+        points = [] if place is None else [dict(zip("xy", seen.at(*place), strict=True))]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    assert numbers(seen) == [10, 20, 20, 12]
+    assert seen.page.evaluate("scrollY") == 0
     leave(viewer, seen)
 
 
@@ -253,7 +378,7 @@ def test_theme_follows_the_system_until_it_is_switched(chromium, served):
     assert seen.page.evaluate(ground) == "rgb(244, 245, 246)"
     seen.page.emulate_media(color_scheme="dark")
     seen.until(f"{ground} === 'rgb(21, 24, 27)'")
-    seen.on("theme").select_option("light")
+    seen.page.locator("[data-theme-choice]").select_option("light")
     assert seen.page.evaluate(ground) == "rgb(244, 245, 246)"
     seen.page.reload()
     seen.until("window.seaglint && seaglint.state.panes.a && seaglint.state.panes.a.drawn > 0")
@@ -264,25 +389,45 @@ def test_theme_follows_the_system_until_it_is_switched(chromium, served):
 def test_narrow_browser_one_pixel_row_and_gaps_are_drawn_or_said(chromium, tmp_path):
     values = np.random.default_rng(5).normal(280.0, 1.0, (20, 6, 8))
     values[3:5, 2, 2] = np.nan
-    values[:, 3, 3] = np.nan
+    values[:, 3, 3] = values[6] = np.nan
+    values[9, 2, 4] = np.inf
     np.save(tmp_path / "gaps.npy", values)
     np.save(tmp_path / "row.npy", values[:1, :1])
     viewer, seen = visit(chromium, tmp_path / "gaps.npy", tmp_path / "row.npy", size=(320, 640))
     seen.on("source-b").select_option("")
-    seen.until("seaglint.state.b === null && seaglint.state.panes.a.drawn > 0")
+    seen.until("seaglint.state.b === null && seaglint.state.panes.a.levels")
     assert seen.page.evaluate("document.documentElement.scrollWidth") == 320
     seen.page.mouse.click(*seen.at(2, 2))
-    seen.until("document.getElementById('trace-read').textContent === '2 of 20 values are missing: gaps'")
+    seen.until("document.getElementById('trace-read').textContent === '3 of 20 values are missing: gaps'")
     seen.page.mouse.click(*seen.at(3, 3))
     seen.until("document.getElementById('trace-read').textContent === 'no value in any of them'")
+    seen.drag((1, 1), (6, 4))
+    seen.until(MADE.format(1))
+    seen.on("threshold-on").check()
+    seen.scrub(6)
+    seen.until("document.getElementById('threshold-table').textContent === 'frame 6: no pixel of it has a value; choose another frame'")
+    seen.until("document.getElementById('region-where').textContent === 'frame 6: no pixel of it has a value; choose another frame'")
+    assert seen.page.evaluate("document.getElementById('message').hidden")
+    seen.scrub(9)
+    seen.until(MADE.format(1))
+    seen.on("over-time").click()
+    seen.until("document.getElementById('layer').value === 'value_mean'")
     seen.on("source-a").select_option(label="row.npy")
     seen.until("seaglint.state.meta.a.rows === 1 && seaglint.state.panes.a.levels?.length === 8")
+    seen.page.evaluate("scrollTo(0, 0)")
     seen.page.mouse.click(*seen.at(4, 0))
     seen.until("JSON.parse(document.getElementById('trace').dataset.values).length === 1")
     seen.drag((1, 0), (6, 0))
     seen.until(MADE.format(1))
     assert seen.page.evaluate("document.documentElement.scrollWidth") == 320
     leave(viewer, seen)
+
+
+def test_a_server_that_stops_is_told(chromium, store):
+    viewer, seen = visit(chromium, store)
+    viewer.end()
+    seen.on("message").filter(has_text="the viewer does not answer; is 'seaglint view' still running?").wait_for()
+    seen.end()
 
 
 def test_long_computations_are_cancelled(chromium, tmp_path):

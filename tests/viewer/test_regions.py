@@ -53,14 +53,33 @@ def test_ellipse_and_polygon_have_the_areas_of_their_shapes():
     assert np.array_equal(PictureRegion("polygon", (5, 4, 25, 4, 25, 14, 5, 14)).mask(ROWS, COLUMNS), REGIONS[0].mask(ROWS, COLUMNS))
 
 
+def star(corners: int) -> PictureRegion:
+    """A star about the middle of the picture, of as many corners as a region drawn freely by hand."""
+    angle, radius = np.linspace(0.0, 2 * np.pi, corners, endpoint=False), np.where(np.arange(corners) % 2, 20.0, 14.0)
+    points = np.stack([32.0 + radius * np.cos(angle), 24.0 + radius * np.sin(angle)], axis=1)
+    return PictureRegion("polygon", tuple(points.round(4).ravel().tolist()), "star")
+
+
+def test_polygon_of_many_corners_is_what_matplotlib_fills():
+    path = pytest.importorskip("matplotlib.path")
+    region = star(3000)
+    centres = np.stack(np.meshgrid(np.arange(COLUMNS) + 0.5, np.arange(ROWS) + 0.5), axis=-1).reshape(-1, 2)
+    corners = np.reshape(region.numbers, (-1, 2))
+    expected = path.Path(np.vstack([corners, corners[:1]])).contains_points(centres).reshape(ROWS, COLUMNS)
+    assert np.array_equal(region.mask(ROWS, COLUMNS), expected)
+    assert np.array_equal(region.mask(ROWS, COLUMNS), of_csv(to_csv([region]))[0].mask(ROWS, COLUMNS))
+    with pytest.raises(DataError, match="regions with 30000 corners in all: give at most 20000"):
+        of_file(to_csv([star(3000)] * 10).encode())
+
+
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
         ("circle 1 2 3 4", "allowed are rectangle, ellipse, polygon"),
         ("rectangle 1 2 3", "give left, top, width and height"),
         ("ellipse 1 2 0 4", "the last two above 0"),
-        ("polygon 1 2 3 4", "3 to 200 corners"),
-        ("polygon " + "1 2 " * (MOST_CORNERS + 1), "3 to 200 corners"),
+        ("polygon 1 2 3 4", "3 to 10000 corners"),
+        ("polygon " + "1 2 " * (MOST_CORNERS + 1), "3 to 10000 corners"),
         ("rectangle a b c d", "such as 'ellipse 10 8 36 33'"),
         ("rectangle 1 2 inf 4", "give finite numbers"),
         ("", "allowed are rectangle"),
@@ -151,7 +170,7 @@ def test_csv_gives_the_regions_back():
     with pytest.raises(DataError, match="row 2 has 2 cells"):
         of_csv("name,shape,numbers\nx,rectangle\n")
     for content in (b"\xff\xfe", b"name,shape,numbers\n"):
-        with pytest.raises(DataError, match=r"neither CSV nor a file of ImageJ|file of 0 regions"):
+        with pytest.raises(DataError, match=r"neither CSV nor a file of ImageJ|0 regions"):
             of_file(content)
 
 
@@ -225,6 +244,11 @@ def test_answers_of_the_server(store):
         ("/api/regions/0/4", '{"regions": []}', "0 regions: give 1 to 100"),
         ("/api/regions/0/99", body, "frame 99"),
         ("/api/save/regions/exe", body, "allowed are csv, imagej"),
+        ("/api/exceedances/0/0?sigma=3&filter=magic", "", "choose one of laplacian"),
+        ("/api/exceedances/0/0?sigma=-3", "", "give standard deviations from 0 to 100"),
+        ("/api/region/0/0", body, "3 regions are given; mark one on the picture"),
+        ("/api/region/0/0", "", "regions of a request: give"),
+        ("/api/trace/0?row=99&column=0", "", "the image has 48 rows and 64 columns"),
         ("/api/load/regions", "x", "the first line must be"),
     ]:
         refused = ask(app, path, "POST", content=content)
@@ -232,7 +256,7 @@ def test_answers_of_the_server(store):
         assert reason in refused.json()["error"]
     line = ask(app, "/api/profile/0/4?layer=radiance&column=3&row=7&to_column=20&to_row=7").json()
     assert line["values"] == radiance(4)[7, 3:21].astype(float).tolist()
-    curve = ask(app, "/api/exceedances/0/4?sigma=2&filter=none").json()
+    curve = ask(app, "/api/exceedances/0/4?sigma=2&filter=none", "POST").json()
     at = curve["curve"]["sigma"].index(2.0)
     assert curve["curve"]["rate"][at] == curve["rate"]
     assert curve["curve"]["gaussian"][at] == curve["gaussian_rate"]

@@ -19,10 +19,11 @@ from seaglint.store.sequence_store import write_sequence
 from seaglint.store.shards import Shards
 from seaglint.store.stored_images import grid_of, stored_band
 from seaglint.viewer.dragged_region import exceedances, quick, whole
-from seaglint.viewer.frame_source import MOST_CACHED, MOST_TRACED, GoneError, open_source
+from seaglint.viewer.frame_source import MOST_CACHED, GoneError, open_source
+from seaglint.viewer.over_time import trace
 from seaglint.viewer.picture import Scales, Show, scaling_of, tag
 from seaglint.viewer.regions import PictureRegion
-from seaglint.viewer.routes import probe, trace
+from seaglint.viewer.routes import probe
 
 from .conftest import COLUMNS, FRAMES, ROWS, images, layout, radiance
 
@@ -45,21 +46,21 @@ def test_probe_tells_the_stores_numbers(store):
 
 
 def test_trace_is_the_pixels_course(store):
-    found = trace(open_source(store), 3, 4, 0)
+    found = trace(open_source(store), 3, 4, "radiance", lambda done, total: None)
     assert found["values"] == [float(radiance(n)[3, 4]) for n in range(FRAMES)]
     assert found["times_s"] == pytest.approx([n / 25.0 for n in range(FRAMES)])
 
 
-def test_trace_of_a_long_sequence_is_around_the_frame_or_spread_over_all(tmp_path):
-    np.save(tmp_path / "long.npy", np.arange(1000.0)[:, None, None] * np.ones((1000, 5, 6)))
-    source = open_source(tmp_path / "long.npy")
-    near, spread = trace(source, 0, 0, 700), trace(source, 0, 0, 700, spread=True)
-    assert near["frames"] == list(range(700 - MOST_TRACED // 2, 700 + MOST_TRACED // 2))
-    assert not near["whole"]
-    assert spread["frames"][0] == 0
-    assert spread["frames"][-1] == 999
-    assert len(spread["frames"]) == MOST_TRACED
-    assert spread["values"] == [float(frame) for frame in spread["frames"]]
+def test_trace_has_every_frame_of_a_long_sequence_and_tells_its_progress(tmp_path):
+    values = np.arange(1000.0)[:, None, None] * np.ones((1000, 5, 6))
+    values[700, 0, 0] = np.inf
+    np.save(tmp_path / "long.npy", values)
+    told = []
+    found = trace(open_source(tmp_path / "long.npy"), 0, 0, None, lambda done, total: told.append((done, total)))
+    assert found["frames"] == list(range(1000))
+    assert found["values"] == [None if frame == 700 else float(frame) for frame in range(1000)]
+    assert told[0] == (0, 1000)
+    assert len(told) > 50
 
 
 @pytest.mark.parametrize("only", [4, pytest.param(None, marks=pytest.mark.validation)])

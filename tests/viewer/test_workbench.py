@@ -24,7 +24,7 @@ from seaglint.viewer.workbench.bench import Redraw
 from seaglint.viewer.workbench.scenario_draft import Draft, Field, Group, file_keys, form, keys_of, value_of
 from seaglint.viewer.workbench.small_pictures import Order, Overtaken, Painter, PreviewPicture, reduced
 from seaglint.viewer.workbench.sun_card import clock, day_of, day_svg
-from seaglint.viewer.workbench.svg_pictures import map_svg, plan, plan_svg, reach, rings
+from seaglint.viewer.workbench.svg_pictures import map_svg, plan, plan_svg, reach, rings, value_at
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 HOSTILE = "<script>alert(1)</script>"
@@ -267,6 +267,27 @@ def test_the_map_holds_the_pixels_top_row_first_and_round_angles():
         element.text for element in ElementTree.fromstring(map_svg(_picture(), "apparent_temperature")).iter() if element.text
     )
     assert "column [px]" in map_svg(_picture(grid=False))
+
+
+@pytest.mark.parametrize(
+    ("pixel", "where"), [((0, 0), "azimuth 171.00°, elevation 3.00°"), ((3, 7), "azimuth 185.00°, elevation \u22123.00°")]
+)
+def test_the_map_s_values_are_those_of_its_pixels(pixel, where):
+    picture = _picture()
+    picture.radiance[1, 1] = picture.temperature[1, 1] = np.nan
+    svg = ElementTree.fromstring(map_svg(picture))
+    image = next(element for element in svg.iter() if element.tag.endswith("image"))
+    size = [float(number) for number in svg.get("viewBox").split()[2:]]
+    box = [float(image.get(name)) for name in ("x", "y", "width", "height")]
+
+    def at(row, column):
+        return (box[0] + (column + 0.5) / 8 * box[2]) / size[0], (box[1] + (row + 0.5) / 4 * box[3]) / size[1]
+
+    value = float(picture.radiance[pixel])
+    assert value_at(picture, "radiance", *at(*pixel)) == f"{where}: {value:g} W m⁻² sr⁻¹, {280 + value:.2f} K ({6.85 + value:.2f} °C)"
+    assert value_at(picture, "radiance", *at(1, 1)).endswith(": no value")
+    assert value_at(picture, "radiance", 0.0, 0.5) == ""
+    assert value_at(_picture(grid=False), "radiance", *at(0, 7)).startswith("column 480, row 32: ")
 
 
 class _Slow(Painter):

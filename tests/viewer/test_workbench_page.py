@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import subprocess
@@ -17,16 +18,14 @@ import pytest
 from seaglint.scenario.load import load_scenario, parse_scenario
 
 pytest.importorskip("nicegui")
-playwright = pytest.importorskip("playwright.sync_api")
 
-CHROMIUM = Path("/usr/bin/chromium")
+from .page import CHROMIUM, FAINT_TEXTS, LEAST_CONTRAST, shrink
+
+playwright = pytest.importorskip("playwright.sync_api")
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCREENSHOTS = os.environ.get("SEAGLINT_SCREENSHOTS")
 
-pytestmark = [
-    pytest.mark.validation,  # a server, a browser and pictures: minutes
-    pytest.mark.skipif(not CHROMIUM.exists(), reason="needs /usr/bin/chromium"),
-]
+pytestmark = pytest.mark.validation  # a server, a browser and pictures: minutes
 
 
 @contextmanager
@@ -86,7 +85,9 @@ def test_a_change_is_drawn_and_saved(browser, tmp_path):
         first, compass = drawn(page), picture(page, "compass").inner_html()
         assert "swimmer" in picture(page, "plan").inner_html()
         if SCREENSHOTS:
-            page.screenshot(path=Path(SCREENSHOTS) / "viewer-workbench.png")
+            guide = Path(SCREENSHOTS) / "viewer-workbench.png"
+            page.screenshot(path=guide)
+            shrink(guide)
         page.locator('input[data-key="wind.from_deg"]').fill("90")
         page.locator('input[data-key="wind.speed_m_s"]').fill("18 kn")
         began = time.perf_counter()
@@ -159,46 +160,9 @@ def test_a_browser_that_leaves_in_the_middle_and_comes_back(browser):
 
 # --- how the page looks
 
-#: Lowest contrast of text by the Web Content Accessibility Guidelines, level AA.
-LEAST_CONTRAST = 4.5
-
-# Texts whose contrast with the colour behind them is too low. Opacities count; hidden texts, icons and pictures dimmed by errors do not.
-FAINT_TEXTS = """least => {
-  const draw = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
-  const rgba = (colour) => { draw.clearRect(0, 0, 1, 1); draw.fillStyle = colour; draw.fillRect(0, 0, 1, 1);
-    const [r, g, b, a] = draw.getImageData(0, 0, 1, 1).data; return [r, g, b, a / 255]; };
-  const over = (top, below) => [0, 1, 2].map((n) => top[3] * top[n] + (1 - top[3]) * below[n]).concat(1);
-  const light = (c) => c.slice(0, 3).map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
-    .reduce((sum, v, n) => sum + v * [0.2126, 0.7152, 0.0722][n], 0);
-  const behind = (element) => { const layers = [];
-    for (let e = element; e; e = e.parentElement) layers.push(rgba(getComputedStyle(e).backgroundColor));
-    return layers.reverse().reduce((below, top) => over(top, below), [255, 255, 255, 1]); };
-  const opacity = (element) => element ? Number(getComputedStyle(element).opacity) * opacity(element.parentElement) : 1;
-  const found = [];
-  const check = (element, colour, text) => {
-    const ground = behind(element), ink = rgba(colour);
-    ink[3] *= opacity(element);
-    const [a, b] = [light(over(ink, ground)), light(ground)].sort((x, y) => y - x);
-    const contrast = (a + 0.05) / (b + 0.05);
-    if (contrast < least) found.push(`${contrast.toFixed(2)}: ${text}`);
-    return 1;
-  };
-  let checked = 0;
-  for (const element of document.querySelectorAll('body *')) {
-    if (!element.checkVisibility({visibilityProperty: true, opacityProperty: true})) continue;
-    if (element.closest('.q-icon, .nicegui-error-popup, title, .old')) continue;
-    const own = [...element.childNodes].filter((node) => node.nodeType === 3).map((node) => node.data.trim()).join('');
-    const style = getComputedStyle(element);
-    if (own) checked += check(element, element.closest('svg') ? style.fill : style.color, own);
-    if (element.value && element.matches('input, textarea')) checked += check(element, style.color, element.value);
-    if (element.placeholder) checked += check(element, getComputedStyle(element, '::placeholder').color, element.placeholder);
-  }
-  return [checked, found];
-}"""
-
 # What ends to the right of the form, or is cut off within it.
 OUTSIDE = """() => {
-  const panel = document.querySelector('.left'), edge = panel.getBoundingClientRect().left + panel.clientWidth + 0.5;
+  const panel = document.querySelector('.form'), edge = panel.getBoundingClientRect().left + panel.clientLeft + panel.clientWidth + 0.5;
   return [...panel.querySelectorAll('*')].filter((e) => e.checkVisibility() && !e.closest('.q-focus-helper, svg'))
     .filter((e) => e.getBoundingClientRect().right > edge || (e.matches('.note, .faint, .name') && e.scrollWidth > e.clientWidth + 1))
     .map((e) => `${e.className}: ${e.textContent.slice(0, 60)}`);
@@ -240,13 +204,15 @@ def test_everything_ends_inside_its_panel(browser, bench, width):
     with opened(browser, bench, width) as page:
         drawn(page)
         assert page.evaluate(PLAN_INSIDE) == []
-        ready(page)
-        assert page.evaluate(OUTSIDE) == []
-        assert page.evaluate("document.documentElement.scrollWidth") <= width
-        for job in ("mean", "frame"):
-            words = page.locator(f'[data-words="{job}"]')
+        lines = [page.locator(f'[data-words="{job}"]') for job in ("mean", "frame")]
+        for words in lines:
             assert "160 x 80 pixels for 512 x 256" in words.inner_text()
             assert words.evaluate("e => e.scrollWidth <= e.clientWidth")
+        ready(page)
+        for words in lines:
+            playwright.expect(words).to_have_text("of the last valid scenario")
+        assert page.evaluate(OUTSIDE) == []
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
@@ -282,10 +248,33 @@ def test_a_phone_has_pictures_first_and_buttons_for_fingers(browser, bench):
     with opened(browser, bench, 390) as page:
         drawn(page)
         assert picture(page, "mean").bounding_box()["y"] < 600
-        assert page.locator(".left").bounding_box()["y"] > picture(page, "plan").bounding_box()["y"]
+        assert page.locator(".form").bounding_box()["y"] > picture(page, "plan").bounding_box()["y"]
         for button in page.locator("button:visible, .q-item:visible, .top select").all():
             box = button.bounding_box()
             assert min(box["height"], box["width"]) >= 40, button.evaluate("e => e.outerHTML")
+        # The Tab key goes down the page.
+        tops, top = [], "(e => e && e !== document.body ? e.getBoundingClientRect().top + scrollY : null)(document.activeElement)"
+        page.locator("[data-theme-choice]").focus()
+        for _ in range(12):
+            tops.append(page.evaluate(top))
+            page.keyboard.press("Tab")
+        assert tops[-1] > 600
+        assert all(after >= before - 40 for before, after in itertools.pairwise(tops))  # things of one line differ in height
+
+
+def test_values_are_read_off_the_maps(browser, bench):
+    with opened(browser, bench) as page:
+        drawn(page)
+        value = page.locator('[data-value="mean"]')
+        box = picture(page, "mean").locator("image").first.bounding_box()
+        page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+        playwright.expect(value).to_have_text(
+            re.compile(r"^azimuth 1(79|80)\.\d\d°, elevation \u22123\.\d\d°: [\d.]+ W m⁻² sr⁻¹, \d{3}\.\d\d K \([\d.]+ °C\)$")
+        )
+        kelvin, celsius = re.search(r"([\d.]+) K \(([\d.]+) °C\)", value.inner_text()).groups()
+        assert float(kelvin) - float(celsius) == pytest.approx(273.15, abs=0.011)
+        page.mouse.move(box["x"] - 20, box["y"] + 0.5 * box["height"])
+        playwright.expect(value).to_have_text("point at the picture, or tap it, to read values")
 
 
 def test_temperatures_are_in_celsius_too(browser, bench):

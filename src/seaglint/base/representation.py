@@ -70,6 +70,19 @@ def rounded(value: float, digits: int) -> str:
     return np.format_float_positional(float(f"{value:.{digits}g}"), trim="-")
 
 
+def decimals(value: float, most: int = 2) -> str:
+    """Return a number as text with at most a number of decimals, and no zeros at their end.
+
+    Examples
+    --------
+    >>> decimals(7.20222), decimals(290.15), decimals(-0.001), decimals(100.0), decimals(4.6e-3, 3)
+    ('7.2', '290.15', '0', '100', '0.005')
+    """
+    text = f"{value:.{most}f}"
+    text = text.rstrip("0").rstrip(".") if most else text
+    return "0" if text == "-0" else text
+
+
 def duration(seconds: float) -> str:
     """Return a time span [s] as text in everyday units.
 

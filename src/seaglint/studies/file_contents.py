@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.representation import decimals
 from seaglint.store.location import place_of
 from seaglint.store.netcdf import open_netcdf
 from seaglint.store.sequence_store import is_sequence, open_sequence
@@ -56,7 +58,7 @@ class RecordingFacts:
     def lines(self) -> list[str]:
         """Return the facts as lines of text."""
         unit = self.units or "no unit"
-        rate = f"{self.frame_rate_hz:g} Hz" if self.frame_rate_hz else "no frame rate"
+        rate = f"{decimals(self.frame_rate_hz, 3)} Hz" if self.frame_rate_hz else "no frame rate"
         first = "no values" if self.least is None else f"{self.least:.6g} to {self.most:.6g} in the first frame"
         out = [
             f"{self.path}: a recording",
@@ -132,12 +134,12 @@ def camera_lines(scenario: Mapping[str, Any]) -> list[str]:
     """Return lines of text on the camera, scene and objects of a scenario, given as one table."""
     sensor, band = scenario["sensor"], scenario["band"]
     (nx, ny), (width, height) = sensor["pixels"], sensor["fov_deg"]
-    edges = f"{band['min_um']:g} to {band['max_um']:g} um" if "min_um" in band else f"band of {band['response']}"
+    edges = f"{decimals(band['min_um'], 3)} to {decimals(band['max_um'], 3)} um" if "min_um" in band else f"band of {band['response']}"
     out = [
         f"camera            {nx} x {ny} pixels over {width:.4g} x {height:.4g} deg, {edges}, "
         f"{'counts of a ' + sensor['detector']['kind'] + ' detector' if sensor.get('detector') else 'radiance at the aperture'}",
-        f"looks             from {sensor['height_m']:g} m to azimuth {sensor['azimuth_deg']:g}, elevation {sensor['elevation_deg']:g} deg, "
-        f"{sensor['frames']} frames at {sensor['frame_rate_hz']:g} Hz",
+        f"looks             from {decimals(sensor['height_m'])} m to azimuth {decimals(sensor['azimuth_deg'])}, "
+        f"elevation {decimals(sensor['elevation_deg'])} deg, {sensor['frames']} frames at {decimals(sensor['frame_rate_hz'], 3)} Hz",
         f"scene             {scene_line(scenario)}",
     ]
     if objects := [str(item.get("name", "")) for item in scenario.get("objects", ())]:
@@ -151,16 +153,17 @@ def scene_line(scenario: Mapping[str, Any]) -> str:
     wind, sun, air = scenario["wind"], scenario.get("sun"), scenario["atmosphere"]
     time, place = scenario.get("time"), scenario.get("place")
     if sun:
-        light = f"Sun {sun['zenith_deg']:g} deg from the zenith towards azimuth {sun['azimuth_deg']:g}"
+        light = f"Sun {decimals(sun['zenith_deg'])} deg from the zenith towards azimuth {decimals(sun['azimuth_deg'])}"
     elif time and place:
-        light = f"Sun of {time['utc']} at {place['latitude_deg']:g}, {place['longitude_deg']:g} deg"
+        light = f"Sun of {time['utc']} at {decimals(place['latitude_deg'])}, {decimals(place['longitude_deg'])} deg"
     else:
         light = "Sun by time and place"
     name = air.get("model") or air["source"]
     if air.get("sounding"):
         name = f"of {Path(str(air['sounding'])).name}, continued by {name}"
     return (
-        f"wind {wind['speed_m_s']:g} m/s from {wind['from_deg']:g} deg; {light}; sea at {scenario['sea']['temperature_k']:g} K; air {name}"
+        f"wind {decimals(wind['speed_m_s'])} m/s from {decimals(wind['from_deg'])} deg; {light}; "
+        f"sea at {decimals(scenario['sea']['temperature_k'])} K; air {name}"
     )
 
 
@@ -411,14 +414,20 @@ def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str
     out = [f"{facts.path}: {facts.title}"]
     if (frames := facts.frames) is not None:
         state = "complete" if frames.complete else f"UNFINISHED, {frames.frames_done} done"
-        out.append(f"  frames            {frames.frames} from number {frames.first_frame} at {frames.frame_rate_hz:g} Hz, {state}")
+        out.append(
+            f"  frames            {frames.frames} from number {frames.first_frame} at {decimals(frames.frame_rate_hz, 3)} Hz, {state}"
+        )
     if facts.directions is not None:
         view = facts.directions
         # First and last column, first and last row, both ends of the band.
         (a0, a1), (e0, e1), (w0, w1) = view.azimuth_deg, view.elevation_deg, view.band_um
+        # Decimals of a pixel's width; two where a column is the only one.
+        pitch = abs(a1 - a0) / (nx - 1) if nx > 1 else 0.0
+        fine = min(max(math.ceil(-math.log10(pitch)), 0), 6) if pitch else 2
+        azimuths, elevations = (f"{decimals(first, fine)} to {decimals(last, fine)} deg" for first, last in ((a0, a1), (e0, e1)))
         out += [
-            f"  pixels            {nx} x {ny}: azimuth {a0:g} to {a1:g} deg, elevation {e0:g} to {e1:g} deg",
-            f"  band              {w0:g} to {w1:g} um",
+            f"  pixels            {nx} x {ny}: azimuth {azimuths}, elevation {elevations}",
+            f"  band              {decimals(w0, 3)} to {decimals(w1, 3)} um",
         ]
     else:
         out.append(f"  pixels            {nx} x {ny}, periodic along every axis")

@@ -279,8 +279,6 @@ Image = NDArray[np.floating[Any]]
 
 MOST_CACHED: Final = 48_000_000  #: Largest size of the frames that a source caches [bytes], so that memory does not grow with the sequence.
 
-MOST_TRACED: Final = 256  #: Largest number of frames of a pixel's trace, each of which is a separate chunk on disk.
-
 
 def evenly(frames: NDArray[np.int64], most: int) -> NDArray[np.int64]:
     """Return at most a number of frames, evenly spaced, the first and the last included."""
@@ -466,18 +464,17 @@ class ViewerSource:
             read_directions = self.opened.directions
             return None if read_directions is None else read_directions(index)
 
-    def trace(
-        self, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the values of a pixel in at most ``MOST_TRACED`` frames, around one or with ``spread`` over the whole sequence."""
-        done = self.done()
-        if spread:
-            frames = evenly(done, MOST_TRACED)
-        else:
-            first = max(min(int(np.searchsorted(done, around)) - MOST_TRACED // 2, done.size - MOST_TRACED), 0)
-            frames = done[first : first + MOST_TRACED]
-        name = self.layer(layer).name
-        return frames, np.array([self.read_once(frame, name)[row, column] for frame in frames.tolist()], np.float64)
+    def require_pixel(self, row: int, column: int) -> None:
+        """Check that a pixel lies in the image.
+
+        Raises
+        ------
+        DataError
+            It lies outside.
+        """
+        opened = self.opened
+        if not (0 <= row < opened.rows and 0 <= column < opened.columns):
+            raise DataError(f"pixel at row {row}, column {column}: the image has {opened.rows} rows and {opened.columns} columns, from 0")
 
     def recording(self, layer: str | None = None, only: int | None = None) -> Recording:
         """Return the recording that ``seaglint analyze`` would open, of the frames that exist; or of one frame.

@@ -1,4 +1,4 @@
-"""Courses of regions over all frames, pictures of mean, deviation and maximum over time, and profiles along a line.
+"""Courses of pixels and regions over all frames, pictures of mean, deviation and maximum over time, and profiles along a line.
 
 Frames are read in blocks, with progress, and a job ends between two blocks. Pixels without a value are left out.
 """
@@ -48,6 +48,23 @@ def statistics(source: ViewerSource, index: int, regions: Sequence[PictureRegion
         ends = {"minimum": float(inside.min()), "maximum": float(inside.max())}
         out.append({"pixels": pixels, "values": int(inside.size), "mean": float(inside.mean()), "std": float(inside.std()), **ends})
     return out
+
+
+def trace(source: ViewerSource, row: int, column: int, layer: str | None, progress: Progress) -> JsonObject:
+    """Return the value of a pixel in every frame that exists, with frames and, where they are known, times [s].
+
+    Raises
+    ------
+    DataError
+        The layer does not exist.
+    """
+    chosen, frames = source.layer(layer), source.done()
+    values = []
+    for place, frame in enumerate(frames.tolist()):
+        if place % _STEP == 0:
+            progress(place, frames.size)
+        values.append(number(float(source.read_once(frame, chosen.name)[row, column])))
+    return {"frames": frames.tolist(), "times_s": source.times(frames), "values": values, "label": chosen.label, "unit": chosen.unit}
 
 
 def courses(source: ViewerSource, regions: Sequence[PictureRegion], layer: str | None, progress: Progress) -> JsonObject:
@@ -103,9 +120,11 @@ def project(source: ViewerSource, layer: str | None, progress: Progress) -> Json
         image = source.read_once(frame, chosen.name).astype(np.float64)
         finite = np.isfinite(image)
         count += finite
-        change = np.where(finite, image - mean, 0.0)
+        # A missing value is replaced by the mean so far, which changes neither mean nor deviation.
+        image = np.where(finite, image, mean)
+        change = image - mean
         mean += change / np.maximum(count, 1)
-        squares += np.where(finite, change * (image - mean), 0.0)
+        squares += change * (image - mean)
         np.maximum(largest, image, out=largest, where=finite)
     seen = count > 0
     images = (mean, np.sqrt(squares / np.maximum(count, 1)), largest)

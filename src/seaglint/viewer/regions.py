@@ -28,9 +28,12 @@ Floats = NDArray[np.float64]
 Shape = Literal["rectangle", "ellipse", "polygon"]
 SHAPES: Final[tuple[Shape, ...]] = get_args(Shape)
 
-MOST_CORNERS: Final = 200  #: Largest number of corners of a polygon: its text must fit into the address of a request.
+MOST_CORNERS: Final = 10_000  #: Largest number of corners of a polygon.
 
 MOST_REGIONS: Final = 100  #: Largest number of regions of a file or a request.
+
+#: Largest number of numbers of all these regions: they have to fit into one request.
+MOST_NUMBERS: Final = 40_000
 
 MOST_ARCHIVE: Final = 5_000_000  #: Largest size of an uploaded archive's content [bytes].
 
@@ -122,13 +125,28 @@ class PictureRegion:
 def _inside_polygon(across: Floats, down: Floats, corners: Floats) -> BoolArray:
     """Return the pixels from which a ray to the left crosses an odd number of sides."""
     out = np.zeros((down.size, across.size), np.bool_)
+    centres = down.ravel()
     for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        if y0 == y1:
-            continue
         # A side includes its upper end only, so that a corner between two sides counts once.
-        crossed = (down >= min(y0, y1)) & (down < max(y0, y1))
-        out ^= crossed & (across > x0 + (down - y0) * (x1 - x0) / (y1 - y0))
+        first, last = np.searchsorted(centres, (min(y0, y1), max(y0, y1)))
+        if first < last:
+            out[first:last] ^= across > x0 + (down[first:last] - y0) * (x1 - x0) / (y1 - y0)
     return out
+
+
+def check_many(regions: list[PictureRegion]) -> list[PictureRegion]:
+    """Return regions that are neither too many nor too large for a request.
+
+    Raises
+    ------
+    DataError
+        They are.
+    """
+    if not 1 <= len(regions) <= MOST_REGIONS:
+        raise DataError(f"{len(regions)} regions: give 1 to {MOST_REGIONS}")
+    if (numbers := sum(len(region.numbers) for region in regions)) > MOST_NUMBERS:
+        raise DataError(f"regions with {numbers // 2} corners in all: give at most {MOST_NUMBERS // 2}, in fewer or simpler polygons")
+    return regions
 
 
 def to_csv(regions: Iterable[PictureRegion]) -> str:
@@ -239,6 +257,4 @@ def of_file(content: bytes) -> list[PictureRegion]:
             regions = of_csv(content.decode("utf-8-sig"))
         except (UnicodeDecodeError, csv.Error):
             raise DataError("file of regions: is neither CSV nor a file of ImageJ (.roi, .zip); give one of them") from None
-    if not 1 <= len(regions) <= MOST_REGIONS:
-        raise DataError(f"file of {len(regions)} regions: give 1 to {MOST_REGIONS}")
-    return regions
+    return check_many(regions)

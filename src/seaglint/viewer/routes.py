@@ -33,9 +33,9 @@ from seaglint.viewer.dragged_region import exceedances, quick, whole
 from seaglint.viewer.frame_source import OVER_TIME, GoneError, ViewerSource
 from seaglint.viewer.jobs import Jobs
 from seaglint.viewer.library import Library
-from seaglint.viewer.over_time import courses, profile, project, statistics
+from seaglint.viewer.over_time import courses, profile, project, statistics, trace
 from seaglint.viewer.picture import KINDS, Scales, Show, tag
-from seaglint.viewer.regions import MOST_REGIONS, PictureRegion, of_file, to_csv, to_imagej
+from seaglint.viewer.regions import PictureRegion, check_many, of_file, to_csv, to_imagej
 
 if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
@@ -65,7 +65,7 @@ def probe(source: ViewerSource, index: int, row: int, column: int) -> JsonObject
         The pixel lies outside the image, or the frame does not exist.
     """
     opened = source.opened
-    require_pixel(source, row, column)
+    source.require_pixel(row, column)
     values = []
     for layer in opened.layers.values():
         value = float(source.read(index, layer.name)[row, column])
@@ -83,13 +83,6 @@ def probe(source: ViewerSource, index: int, row: int, column: int) -> JsonObject
     }
 
 
-def require_pixel(source: ViewerSource, row: int, column: int) -> None:
-    """Refuse a pixel outside the image."""
-    opened = source.opened
-    if not (0 <= row < opened.rows and 0 <= column < opened.columns):
-        raise DataError(f"pixel at row {row}, column {column}: the image has {opened.rows} rows and {opened.columns} columns, from 0")
-
-
 def towards(source: ViewerSource, index: int, row: int, column: int) -> tuple[float | None, float | None]:
     """Return azimuth and elevation of a pixel's centre [deg]; None where they are not known."""
     angles = source.directions(index)
@@ -99,27 +92,6 @@ def towards(source: ViewerSource, index: int, row: int, column: int) -> tuple[fl
     if azimuth.ndim == 1:
         return float(azimuth[column]), float(elevation[row])
     return float(azimuth[row, column]), float(elevation[row, column])
-
-
-def trace(source: ViewerSource, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False) -> JsonObject:
-    """Return the values of a pixel over time, around a frame or ``spread`` over all: frames, times [s] where known, values.
-
-    Raises
-    ------
-    DataError
-        The pixel lies outside the image, or the layer does not exist.
-    """
-    require_pixel(source, row, column)
-    chosen = source.layer(layer)
-    frames, values = source.trace(row, column, around, layer, spread=spread)
-    return {
-        "frames": frames.tolist(),
-        "times_s": source.times(frames),
-        "values": [number(value) for value in values.tolist()],
-        "label": chosen.label,
-        "unit": chosen.unit,
-        "whole": bool(frames.size == source.done().size),
-    }
 
 
 def frame_file(show: Show, index: int, ending: str, scaling: Scale, colours: Colours) -> bytes:
@@ -235,11 +207,6 @@ class Query:
             raise DataError(f"{name} = {text[:40]!r}: give a finite number")
         return value
 
-    def region(self) -> PictureRegion | None:
-        """Return a region, or None if the request has none."""
-        text = self.word("region")
-        return None if text is None else PictureRegion.of_text(text)
-
     def colours(self) -> Colours:
         """Return the colours of the brightness scale."""
         requested = self.word("colours") or _COLOURS[0]
@@ -261,9 +228,15 @@ def regions_of(body: bytes) -> list[PictureRegion]:
         given = [(str(text), str(name)) for text, name in json.loads(body)["regions"]]
     except (ValueError, TypeError, KeyError):
         raise DataError('regions of a request: give {"regions": [["rectangle 10 8 36 33", "name"]]}') from None
-    if not 1 <= len(given) <= MOST_REGIONS:
-        raise DataError(f"{len(given)} regions: give 1 to {MOST_REGIONS}")
-    return [PictureRegion.of_text(text, name[:40]) for text, name in given]
+    return check_many([PictureRegion.of_text(text, name[:40]) for text, name in given])
+
+
+def region_of(body: bytes) -> PictureRegion:
+    """Return the only region of a request's body."""
+    regions = regions_of(body)
+    if len(regions) != 1:
+        raise DataError(f"{len(regions)} regions are given; mark one on the picture")
+    return regions[0]
 
 
 def routes(library: Library, links: list[dict[str, str]]) -> list[Route]:
@@ -313,12 +286,9 @@ class _Pages:
             ("/api/source/{source:int}", self.source, "GET"),
             (f"/api/frame/{frame}", self.frame, "GET"),
             (f"/api/probe/{frame}", self.probe, "GET"),
-            (f"/api/trace/{frame}", self.trace, "GET"),
             (f"/api/truth/{frame}", self.truth, "GET"),
-            (f"/api/region/{frame}", self.region, "GET"),
-            (f"/api/exceedances/{frame}", self.exceedances, "GET"),
             (f"/api/profile/{frame}", self.profile, "GET"),
-            (f"/api/analysis/{frame}", self.analyse, "POST"),
+            ("/api/trace/{source:int}", self.trace, "POST"),
             ("/api/project/{source:int}", self.project, "POST"),
             ("/api/job/{job:int}", self.job, "GET"),
             ("/api/job/{job:int}", self.cancel, "DELETE"),
@@ -326,7 +296,10 @@ class _Pages:
             ("/api/export/clip/{source:int}", self.export_clip, "GET"),
         ]
         with_body: list[tuple[str, AnswerToBody]] = [
+            (f"/api/region/{frame}", self.region),
             (f"/api/regions/{frame}", self.regions),
+            (f"/api/exceedances/{frame}", self.exceedances),
+            (f"/api/analysis/{frame}", self.analyse),
             ("/api/courses/{source:int}", self.courses),
             ("/api/save/regions/{kind}", self.save_regions),
             ("/api/load/regions", self.load_regions),
@@ -438,28 +411,20 @@ class _Pages:
         return _json(probe(self._of(request), _index(request), query.integer("row"), query.integer("column")))
 
     def trace(self, request: Request) -> Response:
-        """Return the values of a pixel over time."""
-        query = Query(request)
-        index = _index(request)
-        place = query.integer("row"), query.integer("column")
-        return _json(trace(self._of(request), *place, index, query.word("layer"), spread=query.word("spread") == "1"))
+        """Start reading the values of a pixel in all frames."""
+        query, source = Query(request), self._of(request)
+        row, column, layer = query.integer("row"), query.integer("column"), query.word("layer")
+        source.require_pixel(row, column)
+        return self._started(lambda progress: trace(source, row, column, layer, progress))
 
     def truth(self, request: Request) -> Response:
         """Return the boxes of objects."""
         boxes = self._of(request).boxes(_index(request))
         return _json({"boxes": [vars(box) | {"range_m": box.range_m if math.isfinite(box.range_m) else None} for box in boxes]})
 
-    def region(self, request: Request) -> Response:
+    def region(self, request: Request, body: bytes) -> Response:
         """Return histogram, moments and fits of a region of one frame."""
-        query = Query(request)
-        return _json(quick(self._of(request), _index(request), self._region(query), query.word("layer")))
-
-    @staticmethod
-    def _region(query: Query) -> PictureRegion:
-        region = query.region()
-        if region is None:
-            raise DataError("no region is given; drag one on the picture")
-        return region
+        return _json(quick(self._of(request), _index(request), region_of(body), Query(request).word("layer")))
 
     def regions(self, request: Request, body: bytes) -> Response:
         """Return the statistics of several regions of one frame."""
@@ -509,18 +474,19 @@ class _Pages:
         }
         return _json(answer)
 
-    def exceedances(self, request: Request) -> Response:
-        """Return the number of pixels above a threshold, and their mask as bits, row by row."""
+    def exceedances(self, request: Request, body: bytes) -> Response:
+        """Return the number of pixels above a threshold, and their mask as bits, row by row; without a region of the whole frame."""
         query = Query(request)
+        where = region_of(body) if body else None
         result, above = exceedances(
-            self._of(request), _index(request), query.real("sigma"), query.word("filter") or NAMES[0], query.word("layer"), query.region()
+            self._of(request), _index(request), query.real("sigma"), query.word("filter") or NAMES[0], query.word("layer"), where
         )
         return _json({**result, "mask": base64.b64encode(np.packbits(above).tobytes()).decode()})
 
-    def analyse(self, request: Request) -> Response:
+    def analyse(self, request: Request, body: bytes) -> Response:
         """Start the whole analysis of a region."""
-        query, source = Query(request), self._of(request)
-        where, layer = self._region(query), query.word("layer")
+        query, source, where = Query(request), self._of(request), region_of(body)
+        layer = query.word("layer")
         only = None if query.word("all") == "1" else _index(request)
         return self._started(lambda progress: whole(source, where, layer, only, progress))
 

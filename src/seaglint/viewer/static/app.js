@@ -5,7 +5,7 @@ import { TOOLS, choose, pointers } from "./pointers.js";
 import { bindRegions, forget, recourse, region } from "./regions.js";
 import { bindSide, files, follow, plots, probe, profile, retrace, threshold } from "./side.js";
 import { isGone, layerText, say, showing, state } from "./state.js";
-import { $, ask, bytes, digits, jobDone, json, latest, rate as rateText, reading, short, takeInk, within } from "./tools.js";
+import { $, Work, ask, bytes, digits, json, latest, rate as rateText, reading, short, takeInk, within } from "./tools.js";
 
 const DIFFERENCE = diverging();
 const USUAL_RATE = 25;
@@ -25,7 +25,7 @@ function redraw() {
     const layer = name === "d" ? `difference of ${layerText()}` : layerText();
     // Over a whole picture a finger scrolls the page.
     pane.canvas.style.touchAction = camera.zoom === 1 && state.tool === "pan" ? "pan-y" : "none";
-    pane.draw({ title, layer, regions, chosen, draft, line, pointer, pinned, opacity });
+    pane.draw({ title, layer, regions, chosen, grips: state.tool === "pan", draft, line, pointer, pinned, opacity });
   }
 }
 
@@ -183,17 +183,16 @@ function layers() {
   told.layer = $("layer").value;
 }
 
-let cancel = null;
+const projecting = new Work($("over-time-told"), $("over-time-cancel"));
 
 /** Mean, deviation and maximum over time of a layer; they become layers. */
 async function overTime(layer = $("layer").value) {
   $("over-time").disabled = true;
   try {
-    const progress = (share, stop) => { cancel = stop; $("over-time-told").textContent = `${share} %`; $("over-time-cancel").hidden = false; };
     let made = [];
     for (const [name, id] of [["a", state.a], ["b", state.b]]) {
       if (id === null) continue;
-      made = (await jobDone(`/api/project/${id}?layer=${encodeURIComponent(layer)}`, progress)).result.layers;
+      made = (await projecting.done(`/api/project/${id}?layer=${encodeURIComponent(layer)}`)).result.layers;
       state.meta[name] = await json(`/api/source/${id}`);
       if (state.panes[name]) state.panes[name].meta = state.meta[name];
     }
@@ -203,7 +202,6 @@ async function overTime(layer = $("layer").value) {
     $("over-time-told").textContent = "shown as layers";
   } catch (error) { $("over-time-told").textContent = error.message; }
   $("over-time").disabled = false;
-  $("over-time-cancel").hidden = true;
 }
 
 const told = { layer: "" }; // the layer that the limits belong to
@@ -249,6 +247,7 @@ function arrange() {
   }
   if (!wanted.includes(state.active)) state.active = "a";
   const wide = state.meta.a.columns > 1.7 * state.meta.a.rows;
+  $("panes").style.setProperty("--shape", state.meta.a.rows / state.meta.a.columns);
   $("panes").className = wanted.length === 1 || (wanted.length === 2 && wide) ? "one" : "two";
 }
 
@@ -280,11 +279,9 @@ async function look() {
 
 function zoom(by) { camera.zoom = by === 0 ? 1 : Math.min(Math.max(camera.zoom * by, 1), 200); if (camera.zoom === 1) camera.x = camera.y = 0.5; redraw(); }
 
-/** Regions, picture and threshold after a change of what is marked. */
-const recount = () => { again(); files(); };
-
-const again = bindSide(redraw, (frame) => { pause(); goTo(frame); });
-const regionsChanged = bindRegions(recount, (frame) => { pause(); goTo(frame); });
+const jump = (frame) => { pause(); goTo(frame); };
+const again = bindSide(redraw, jump);
+const regionsChanged = bindRegions({ redraw, recount() { again(); files(); }, goTo: jump, limits: (ends) => page.limits(ends) });
 
 /** What other parts of the page call. */
 const page = {
@@ -304,10 +301,8 @@ const page = {
   },
 };
 
-/** The theme of the system or the one chosen; canvases take its colours. */
-function theme() {
-  if ($("theme").value) document.documentElement.dataset.theme = $("theme").value; else delete document.documentElement.dataset.theme;
-  try { localStorage.setItem("seaglint-theme", $("theme").value); } catch { /* storage may be forbidden */ }
+/** Canvases take the colours of another theme. */
+function repaint() {
   takeInk();
   redraw();
   retrace();
@@ -328,9 +323,7 @@ function bind() {
   for (const id of ["fixed", "overlay", "truth", "low", "high"]) $(id).addEventListener("change", () => { $("opacity-box").hidden = $("overlay").value === ""; goTo(state.frame); });
   $("layer").addEventListener("change", changeLayer);
   $("over-time").addEventListener("click", () => overTime());
-  $("over-time-cancel").addEventListener("click", () => cancel && cancel());
-  $("theme").addEventListener("change", theme);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", theme);
+  window.addEventListener("seaglint-theme", repaint);
   $("scaling").addEventListener("change", () => { manual(); goTo(state.frame); });
   $("colours").addEventListener("change", () => { for (const [name, pane] of Object.entries(state.panes)) if (name !== "d") pane.recolour(state.tables[$("colours").value]); files(); redraw(); });
   $("opacity").addEventListener("input", redraw);
@@ -360,8 +353,7 @@ async function start() {
   $("export-clip").hidden = !session.video;
   $("pages").replaceChildren(...session.pages.map(({ path, title }) => { const link = document.createElement("a"); link.href = path; link.textContent = title; return link; }));
   document.title = session.given ? `${session.sources[0].name} - seaglint` : "seaglint";
-  try { $("theme").value = localStorage.getItem("seaglint-theme") || ""; } catch { /* storage may be forbidden */ }
-  theme();
+  takeInk();
   bind();
   bindLink(page);
   choose("pan");

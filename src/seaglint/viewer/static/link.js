@@ -5,7 +5,7 @@ import { say, state, textOf } from "./state.js";
 import { $, offer } from "./tools.js";
 
 const CHOICES = ["layer", "scaling", "low", "high", "fixed", "colours", "overlay", "opacity"];
-const CHECKS = ["difference", "truth", "trace-spread", "threshold-on"];
+const CHECKS = ["difference", "truth", "threshold-on"];
 const numbers = (text, many) => { const list = (text || "").split(" ").map(Number); return list.length === many && list.every(Number.isFinite) ? list : null; };
 const named = (number) => state.session.sources.find(({ id }) => id === number)?.name ?? "";
 

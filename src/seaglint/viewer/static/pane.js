@@ -1,8 +1,9 @@
 // One picture with its axes: levels become colours here, zoom and pan are shared by all panes.
+import { boxOf, handles, outline } from "./shapes.js";
 import { colourOf } from "./state.js";
-import { FONT, INK, digits, fitted, sized, ticks, within } from "./tools.js";
+import { FONT, INK, digits, fitted, minus, sized, ticks, within } from "./tools.js";
 
-const MARGIN = { left: 52, right: 46, top: 40, bottom: 74 };
+const MARGIN = { left: 52, right: 46, top: 46, bottom: 74 };
 const MISSING = [28, 44, 58];
 
 /** What part of the pictures is seen: middle as shares of width and height, and magnification. */
@@ -77,7 +78,7 @@ export class Pane {
     return x >= MARGIN.left && y >= MARGIN.top && x < MARGIN.left + p.width && y < MARGIN.top + p.height;
   }
 
-  draw({ title, layer, regions, chosen, draft, line, pointer, pinned, opacity }) {
+  draw({ title, layer, regions, chosen, grips, draft, line, pointer, pinned, opacity }) {
     const { pen, width, height } = sized(this.canvas);
     if (this.canvas.ariaLabel !== `${title}; ${layer}`) this.canvas.ariaLabel = `${title}; ${layer}`;
     pen.fillStyle = INK.ground;
@@ -98,9 +99,9 @@ export class Pane {
     if (this.hasAbove) { pen.globalAlpha = opacity; put(this.above); pen.globalAlpha = 1; }
     if (this.hasMask) put(this.mask);
     this.drawBoxes(pen, p);
-    regions.forEach((one, i) => this.outline(pen, p, one, colourOf(i, INK.onPicture), i === chosen ? 2.4 : 1.4));
-    if (draft.length) this.path(pen, draft.map(([x, y]) => [p.left + x * p.size, p.top + y * p.size]), false, INK.onPicture[0], 2);
-    if (line) this.path(pen, [line.slice(0, 2), line.slice(2)].map(([x, y]) => [p.left + (x + 0.5) * p.size, p.top + (y + 0.5) * p.size]), false, INK.onPicture[1], 2);
+    regions.forEach((one, i) => this.region(pen, p, one, colourOf(i, INK.onPicture), i === chosen, grips));
+    if (draft.length) this.path(pen, draft.map(([x, y]) => [p.left + x * p.size, p.top + y * p.size]), INK.onPicture[0], 2);
+    if (line) this.path(pen, [line.slice(0, 2), line.slice(2)].map(([x, y]) => [p.left + (x + 0.5) * p.size, p.top + (y + 0.5) * p.size]), INK.onPicture[1], 2);
     if (pinned) this.cross(pen, p, pinned, INK.onPicture[0]);
     if (pointer) this.cross(pen, p, pointer, "#ffffff");
     pen.restore();
@@ -114,43 +115,43 @@ export class Pane {
     this.drawn++;
   }
 
-  /** A line that is seen on any ground: dark around bright. */
-  path(pen, points, closed, colour, width) {
+  /** A line with dots at its points. */
+  path(pen, points, colour, width) {
     pen.beginPath();
-    points.forEach(([x, y], i) => (i ? pen.lineTo(x, y) : pen.moveTo(x, y)));
-    if (closed) pen.closePath();
+    for (const point of points) pen.lineTo(...point);
     this.stroke(pen, colour, width);
-    if (closed) return;
     pen.fillStyle = colour;
     for (const [x, y] of points) pen.fillRect(x - 3, y - 3, 6, 6);
   }
 
+  /** A line that is seen on any ground: dark around bright. */
   stroke(pen, colour, width) {
     for (const [ink, wide] of [["#000000a0", width + 2], [colour, width]]) { pen.strokeStyle = ink; pen.lineWidth = wide; pen.stroke(); }
   }
 
-  outline(pen, p, { shape, numbers, name }, colour, width) {
-    const x = (v) => p.left + v * p.size, y = (v) => p.top + v * p.size;
-    let label = [x(numbers[0]), y(numbers[1])];
-    if (shape === "polygon") {
-      const corners = numbers.flatMap((v, i) => (i % 2 ? [] : [[x(v), y(numbers[i + 1])]]));
-      this.path(pen, corners, true, colour, width);
-      label = corners.reduce((best, one) => (one[1] < best[1] ? one : best));
-    } else {
-      const [left, top, wide, high] = numbers;
-      pen.beginPath();
-      if (shape === "ellipse") pen.ellipse(x(left + wide / 2), y(top + high / 2), (wide / 2) * p.size, (high / 2) * p.size, 0, 0, 7);
-      else pen.rect(x(left), y(top), wide * p.size, high * p.size);
-      this.stroke(pen, colour, width);
+  /** Outline and name of a region; of the chosen one also the handles, where they can be dragged. */
+  region(pen, p, one, colour, chosen, grips) {
+    const at = ([x, y]) => [p.left + x * p.size, p.top + y * p.size], [left, top, right, bottom] = boxOf(one), width = chosen ? 2.4 : 1.4;
+    pen.beginPath();
+    if (one.shape === "ellipse") pen.ellipse(...at([(left + right) / 2, (top + bottom) / 2]), ((right - left) / 2) * p.size, ((bottom - top) / 2) * p.size, 0, 0, 7);
+    else { outline(one).forEach((point) => pen.lineTo(...at(point))); pen.closePath(); }
+    this.stroke(pen, colour, width);
+    if (chosen && grips) for (const { x, y } of handles(one)) {
+      const [u, v] = at([x, y]);
+      pen.fillStyle = "#000000a0";
+      pen.fillRect(u - 5, v - 5, 10, 10);
+      pen.fillStyle = colour;
+      pen.fillRect(u - 3.5, v - 3.5, 7, 7);
     }
+    const highest = (best, point) => (point[1] < best[1] ? point : best), [labelX, labelY] = at(one.shape === "polygon" ? outline(one).reduce(highest) : [left, top]);
     pen.font = `600 ${FONT}`;
     pen.textAlign = "left";
     pen.textBaseline = "bottom";
     pen.strokeStyle = "#000000c0";
     pen.lineWidth = 3;
-    pen.strokeText(name, label[0] + 1, label[1] - 3);
+    pen.strokeText(one.name, labelX + 1, labelY - 6);
     pen.fillStyle = colour;
-    pen.fillText(name, label[0] + 1, label[1] - 3);
+    pen.fillText(one.name, labelX + 1, labelY - 6);
   }
 
   drawBoxes(pen, p) {
@@ -204,7 +205,7 @@ export class Pane {
     const pixel = (low, high, many) => ticks(low - 0.5, high - 0.5, many).filter(Number.isInteger).map((v) => [v + 0.5, String(v)]);
     const degrees = (values, [low, high], many) => {
       const value = (place) => interpolate(values, place - 0.5);
-      return ticks(value(low), value(high), many).map((v) => [inverse(values, v) + 0.5, `${v}°`]).filter(([place]) => place >= low && place <= high);
+      return ticks(value(low), value(high), many).map((v) => [inverse(values, v) + 0.5, `${minus(String(v))}°`]).filter(([place]) => place >= low && place <= high);
     };
     const draw = (list, at, text) => { for (const [place, label] of list) { const [x, y, dx, dy] = at(place); pen.beginPath(); pen.moveTo(x, y); pen.lineTo(x + dx, y + dy); pen.stroke(); text(label, x + 1.6 * dx, y + 1.6 * dy); } };
     const horizontal = (y, d) => (place) => [p.left + place * p.size, y, 0, d];

@@ -1,7 +1,7 @@
 // Plots off which values are read: by pointing, or with the arrow keys when a plot has the focus.
-import { FONT, INK, digits, fitted, power, rate, reading, sized, ticks } from "./tools.js";
+import { FONT, INK, digits, fitted, minus, power, rate, reading, sized, ticks } from "./tools.js";
 
-const ROOM = { left: 54, right: 10, top: 8, bottom: 34 };
+const ROOM = { left: 54, right: 10, top: 8, bottom: 34 }; // at the left more where labels need it
 
 /** Smallest and largest of the values that are numbers; null without any. */
 function ends(lists) {
@@ -19,7 +19,7 @@ function labelled(low, high, many, scale) {
   for (let more = many; places.length < 3 && more < 4 * many; more *= 1.5) places = ticks(low, high, more);
   if (places.length < 2) return (low === high ? [low] : places).map((v) => [v, digits(v / scale, 6)]);
   const decimals = Math.max(0, -Math.floor(Math.log10(Math.abs(places[1] - places[0]) / scale) + 1e-9));
-  return places.map((v) => [v, (v / scale).toFixed(Math.min(decimals, 12))]);
+  return places.map((v) => [v, minus((v / scale).toFixed(Math.min(decimals, 12)))]);
 }
 
 export class Plot {
@@ -27,17 +27,26 @@ export class Plot {
    * @param canvas - where it is drawn
    * @param out - element that tells the values at the mark
    * @param picked - called with the x of a click or of Enter
+   * @param dragged - called with both limits when one of them is dragged
    */
-  constructor(canvas, out, picked = null) {
-    Object.assign(this, { canvas, out, picked, data: null, at: null });
+  constructor(canvas, out, { picked = null, dragged = null } = {}) {
+    Object.assign(this, { canvas, out, picked, dragged, data: null, at: null, held: null });
     canvas.tabIndex = 0;
     new ResizeObserver(() => this.draw()).observe(canvas);
-    canvas.addEventListener("pointermove", (event) => this.mark(this.nearest(event.clientX - canvas.getBoundingClientRect().left)));
-    canvas.addEventListener("pointerdown", (event) => this.mark(this.nearest(event.clientX - canvas.getBoundingClientRect().left)));
+    const across = (event) => event.clientX - canvas.getBoundingClientRect().left;
+    canvas.addEventListener("pointerdown", (event) => {
+      this.held = this.limitAt(across(event), event.pointerType === "touch" ? 16 : 7);
+      if (this.held === null) this.mark(this.nearest(across(event))); else canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      canvas.style.cursor = this.held !== null || this.limitAt(across(event), 7) !== null ? "ew-resize" : "crosshair";
+      if (this.held === null) this.mark(this.nearest(across(event))); else this.drag(across(event));
+    });
+    for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, () => { setTimeout(() => { this.held = null; }); }); // after the click
     canvas.addEventListener("pointerleave", () => { if (document.activeElement !== canvas) this.mark(null); });
     canvas.addEventListener("focus", () => { if (this.at === null) this.mark(this.start()); });
     canvas.addEventListener("blur", () => this.mark(null));
-    canvas.addEventListener("click", () => this.pick());
+    canvas.addEventListener("click", () => { if (this.held === null) this.pick(); });
     canvas.addEventListener("keydown", (event) => {
       if (!this.data || event.ctrlKey || event.metaKey || event.altKey) return;
       const last = this.data.series[0].xs.length - 1, at = this.at ?? this.start();
@@ -56,6 +65,25 @@ export class Plot {
 
   pick() { if (this.picked && this.at !== null) this.picked(this.data.series[0].xs[this.at], this.at); }
 
+  /** Number of the limit within reach of an x; null for none. */
+  limitAt(x, reach) {
+    if (!this.dragged || !this.x || !this.data.limits) return null;
+    const far = this.data.limits.map((v) => Math.abs(this.within(v) - x)), near = far[1] < far[0] ? 1 : 0;
+    return far[near] <= reach ? near : null;
+  }
+
+  /** x of a limit; those outside stand at the ends. */
+  within(v) { return Math.min(Math.max(this.x(v), this.box.x), this.box.r); }
+
+  drag(x) {
+    const limits = [...this.data.limits], inside = Math.min(Math.max(x, this.box.x), this.box.r);
+    limits[this.held] = this.valueAt(inside);
+    if (!(limits[0] < limits[1])) return;
+    this.data.limits = limits;
+    this.draw();
+    this.dragged(limits);
+  }
+
   mark(at) { this.at = at; this.draw(); }
 
   nearest(x) {
@@ -64,8 +92,9 @@ export class Plot {
     return xs.reduce((best, v, i) => (Math.abs(this.x(v) - x) < Math.abs(this.x(xs[best]) - x) ? i : best), 0);
   }
 
-  /** What is drawn: series { name, colour, xs, values, bars, edges }, x and y { name, unit }, log, now, note. */
+  /** What is drawn: series { name, colour, xs, values, bars, edges }, x and y { name, unit }, log, now, limits, note. */
   set(data) {
+    if (this.held !== null && this.data?.limits) data.limits = this.data.limits; // those under the finger, not those of an older answer
     this.data = data;
     if (this.at !== null && !(data && data.series.length && this.at < data.series[0].xs.length)) this.at = null;
     this.draw();
@@ -78,20 +107,29 @@ export class Plot {
     const box = { x: ROOM.left, y: ROOM.top, r: width - ROOM.right, b: height - ROOM.bottom };
     pen.clearRect(0, 0, width, height);
     pen.font = FONT;
-    const across = ends(series.map((s) => s.edges || s.xs));
+    const across = ends(series.map((s) => s.edges || s.xs)), atX = across && [...across];
     // Bars set the range; the curves over them may leave it.
     let up = ends((series[0]?.bars ? series.slice(0, 1) : series).map((s) => (log ? s.values.filter((v) => v > 0) : s.values)));
     this.x = null;
     this.tell(up);
+    if (!series.length) return;
     if (!across || !up) { pen.fillStyle = INK.faint; pen.textAlign = "center"; pen.fillText("no values", width / 2, height / 2); return; }
     if (across[0] === across[1]) { across[0] -= 0.5; across[1] += 0.5; }
     if (log) up = [Math.log10(up[0]) - 0.1, Math.log10(up[1]) + 0.1];
     else if (up[0] === up[1]) { const half = Math.abs(up[0]) * 1e-3 || 0.5; up = [up[0] - half, up[1] + half]; }
     else { const room = 0.06 * (up[1] - up[0]); up = series[0].bars ? [0, up[1] + 2 * room] : [up[0] - room, up[1] + room]; }
+    const tens = { x: exponent(...atX), y: log ? 0 : exponent(...up) }, many = Math.max((box.b - box.y) / 26, 3);
+    const rows = log
+      ? ticks(...up, Math.min(many, up[1] - up[0])).filter(Number.isInteger).map((v) => [10 ** v, power(v)])
+      : labelled(...up, many, 10 ** tens.y);
+    box.x = Math.max(ROOM.left, Math.ceil(Math.max(...rows.map(([, label]) => pen.measureText(label).width))) + 24);
+    this.box = box;
+    const columns = labelled(...atX, (box.r - box.x) / 75, 10 ** tens.x);
     const x = (v) => box.x + ((v - across[0]) / (across[1] - across[0])) * (box.r - box.x);
     const y = (v) => box.b - (((log ? Math.log10(v) : v) - up[0]) / (up[1] - up[0])) * (box.b - box.y);
     this.x = x;
-    this.axes(pen, box, x, across, up, y, width, height);
+    this.valueAt = (place) => across[0] + ((place - box.x) / (box.r - box.x)) * (across[1] - across[0]);
+    this.axes(pen, box, { x, y, tens, columns, rows }, height);
     pen.save();
     pen.beginPath();
     pen.rect(box.x, box.y, box.r - box.x, box.b - box.y);
@@ -114,46 +152,48 @@ export class Plot {
       }
     }
     pen.restore();
+    for (const limit of this.dragged && data.limits ? data.limits : []) {
+      Plot.upright(pen, this.within(limit), box, INK.text, []);
+      pen.fillStyle = INK.text;
+      pen.fillRect(this.within(limit) - 3, box.b - 9, 6, 12);
+    }
     if (series.length < 2) return;
     pen.textAlign = "right";
     pen.textBaseline = "top";
     series.filter((one) => !one.bars).forEach((one, i) => { pen.fillStyle = one.colour; pen.fillText(one.name, box.r - 6, box.y + 3 + 13 * i); });
   }
 
-  axes(pen, box, x, across, up, y, width, height) {
-    const { data } = this, scale = (range) => exponent(...range);
-    const text = ({ name, unit }, tens) => { const inside = [tens ? power(tens) : "", unit].filter(Boolean).join(" "); return inside ? `${name} [${inside}]` : name; };
-    const tensX = scale(across), tensY = data.log ? 0 : scale(up);
+  axes(pen, box, { x, y, tens, columns, rows }, height) {
+    const { data } = this;
+    const text = ({ name, unit }, n) => { const inside = [n ? power(n) : "", unit].filter(Boolean).join(" "); return inside ? `${name} [${inside}]` : name; };
     pen.strokeStyle = INK.line;
     pen.lineWidth = 1;
     pen.strokeRect(Math.round(box.x) - 0.5, Math.round(box.y) - 0.5, Math.round(box.r - box.x) + 1, Math.round(box.b - box.y) + 1);
     pen.fillStyle = INK.faint;
     pen.textAlign = "center";
     pen.textBaseline = "top";
-    for (const [v, label] of labelled(...across, (box.r - box.x) / 75, 10 ** tensX)) { pen.fillRect(Math.round(x(v)), box.b, 1, 4); pen.fillText(label, Math.min(Math.max(x(v), box.x + 4), box.r - 8), box.b + 5); }
+    for (const [v, label] of columns) { pen.fillRect(Math.round(x(v)), box.b, 1, 4); pen.fillText(label, Math.min(Math.max(x(v), box.x + 4), box.r - 8), box.b + 5); }
     pen.textAlign = "right";
     pen.textBaseline = "middle";
-    const many = Math.max((box.b - box.y) / 26, 3);
-    const rows = data.log
-      ? ticks(...up, Math.min(many, up[1] - up[0])).filter(Number.isInteger).map((v) => [10 ** v, power(v)])
-      : labelled(...up, many, 10 ** tensY);
     for (const [v, label] of rows) { pen.fillRect(box.x - 4, Math.round(y(v)), 4, 1); pen.fillText(label, box.x - 6, y(v)); }
     pen.textBaseline = "bottom";
-    pen.fillText(fitted(pen, text(data.x, tensX), box.r - box.x), box.r, height - 1);
+    pen.fillText(fitted(pen, text(data.x, tens.x), box.r - box.x), box.r, height - 1);
     pen.save();
     pen.translate(9, (box.y + box.b) / 2);
     pen.rotate(-Math.PI / 2);
     pen.textAlign = "center";
     pen.textBaseline = "middle";
-    const whole = text(data.y, tensY), room = box.b + box.y - 6;
-    pen.fillText(pen.measureText(whole).width > room ? fitted(pen, text({ ...data.y, name: "" }, tensY).trim(), room) : whole, 0, 0);
+    const whole = text(data.y, tens.y), room = box.b + box.y - 6;
+    pen.fillText(pen.measureText(whole).width > room ? fitted(pen, text({ ...data.y, name: "" }, tens.y).trim(), room) : whole, 0, 0);
     pen.restore();
   }
 
   /** The values at the mark, or how many are missing. */
   tell(up) {
     const { series, x, y, note, log } = this.data;
-    if (this.at === null || !series.length) {
+    if (this.held !== null) { this.out.textContent = `limits of the scale: ${this.data.limits.map((v) => reading(v, x.unit)).join(" to ")}${x.unit ? " " + x.unit : ""}`; return; }
+    if (!series.length) { this.out.textContent = note || ""; return; }
+    if (this.at === null) {
       const all = series.reduce((sum, one) => sum + one.values.length, 0);
       const missing = log || series[0]?.bars ? 0 : series.reduce((sum, one) => sum + one.values.filter((v) => v === null).length, 0);
       this.out.textContent = !up ? "no value in any of them" : missing ? `${missing} of ${all} values are missing: gaps` : note || "";

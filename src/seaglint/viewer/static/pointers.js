@@ -1,10 +1,11 @@
 // What pointers and keys do on a picture: move, zoom, probe, mark regions and a line, drag the ends of the scale.
 import { camera } from "./pane.js";
-import { add } from "./regions.js";
+import { add, reshape } from "./regions.js";
+import { grip, moved, resized } from "./shapes.js";
 import { region as chosen, say, state } from "./state.js";
 import { $, latest } from "./tools.js";
 
-export const TOOLS = { pan: "drag moves the picture, a click pins the pixel", rectangle: "drag from corner to corner", ellipse: "drag from corner to corner of its frame", polygon: "click each corner, then the first one again", line: "drag from end to end" };
+export const TOOLS = { pan: "drag moves the picture, or a region by its outline; a click follows the pixel in time", rectangle: "drag from corner to corner", ellipse: "drag from corner to corner of its frame", polygon: "click each corner, then the first one again", line: "drag from end to end" };
 
 const bounded = (v, most) => Math.min(Math.max(v, 0), most);
 
@@ -36,6 +37,17 @@ export function pointers(name, pane, page) {
   };
   const near = (x, y) => { const { columns, rows } = pane.meta, [column, row] = pane.at(x, y); return [bounded(Math.floor(column), columns - 1), bounded(Math.floor(row), rows - 1)]; };
 
+  /** The region whose outline or handle is at a place, the chosen one first: { index, handle }. */
+  function grabbed(x, y, touch) {
+    if (state.tool !== "pan" || !pane.meta || !pane.contains(x, y)) return null;
+    const reach = (touch ? 16 : 6) / pane.place().size, at = pane.at(x, y);
+    for (const index of [state.chosen, ...state.regions.keys()]) {
+      const handle = state.regions[index] && grip(state.regions[index], at, reach, index === state.chosen);
+      if (handle) return { index, handle };
+    }
+    return null;
+  }
+
   function close() {
     if (state.draft.length > 2) { add("polygon", state.draft.flat()); page.regions(); } else if (state.draft.length) say(new Error("a polygon has 3 corners at least; click further ones"));
     state.draft = [];
@@ -56,7 +68,9 @@ export function pointers(name, pane, page) {
     anchor = null;
     const [x, y] = place(event);
     const tool = event.shiftKey && !["ellipse", "line", "polygon"].includes(state.tool) ? "rectangle" : state.tool;
-    began = { x, y, tool, moved: false, camera: { ...camera }, at: pane.at(x, y), pixel: near(x, y), scale: pane.barAt(x, y), values: pane.scale && [...pane.scale.values], before: state.regions.length };
+    const grab = event.shiftKey ? null : grabbed(x, y, event.pointerType === "touch");
+    if (grab) { grab.was = { ...state.regions[grab.index] }; state.chosen = grab.index; }
+    began = { x, y, tool, grab, moved: false, camera: { ...camera }, at: pane.at(x, y), pixel: near(x, y), scale: pane.barAt(x, y), values: pane.scale && [...pane.scale.values], before: state.regions.length };
     canvas.setPointerCapture(event.pointerId);
   });
 
@@ -64,7 +78,8 @@ export function pointers(name, pane, page) {
     if (!pane.meta) return;
     const [x, y] = place(event);
     state.pointer = pixel(x, y);
-    canvas.style.cursor = pane.barAt(x, y) ? "ew-resize" : "crosshair";
+    const grab = began ? began.grab : grabbed(x, y, false);
+    canvas.style.cursor = pane.barAt(x, y) ? "ew-resize" : !grab ? "crosshair" : grab.handle === true ? "move" : "pointer";
     if (began) drag(x, y);
     page.redraw();
     page.probe();
@@ -77,6 +92,10 @@ export function pointers(name, pane, page) {
       const low = began.values[0], high = began.values[began.values.length - 1], by = ((x - began.x) / pane.barPlace.width) * (high - low);
       const ends = [low + (began.scale === "high" ? 0 : by), high + (began.scale === "low" ? 0 : by)];
       if (ends[0] < ends[1]) page.limits(ends);
+    } else if (began.grab) {
+      const { index, handle, was } = began.grab, to = pane.at(x, y);
+      reshape(index, handle === true ? moved(was, [to[0] - began.at[0], to[1] - began.at[1]], pane.meta) : resized(was, handle, to, pane.meta));
+      moreLater();
     } else if (began.tool === "rectangle" || began.tool === "ellipse") {
       const numbers = frameOf(pane.meta, began.at, pane.at(x, y));
       if (state.regions.length === began.before) add(began.tool, numbers); else chosen().numbers = numbers;
@@ -95,8 +114,9 @@ export function pointers(name, pane, page) {
     if (was.scale) { page.redraw(); return; }
     if (was.tool === "polygon") { if (!was.moved && (pixel(x, y) || state.draft.length)) corner(x, y); }
     else if (was.moved && was.tool === "line") page.profile();
-    else if (was.moved && was.tool !== "pan") page.regions();
+    else if (was.moved && (was.grab || was.tool !== "pan")) page.regions();
     else if (!was.moved) {
+      if (was.grab) page.regions();
       // A finger points only while it touches: the pixel that it tapped stays the one probed.
       state.pinned = state.probed = pixel(x, y) || state.pinned;
       if (event.pointerType === "touch") state.pointer = null;
@@ -106,6 +126,8 @@ export function pointers(name, pane, page) {
     page.files();
     page.redraw();
   });
+  // Over a whole picture a finger scrolls the page, but not where it drags a region.
+  canvas.addEventListener("touchstart", (event) => { const [finger] = event.touches; if (event.touches.length === 1 && grabbed(...place(finger), true)) event.preventDefault(); }, { passive: false });
   canvas.addEventListener("pointercancel", () => { began = null; });
   canvas.addEventListener("pointerleave", () => { if (!began) { state.pointer = null; page.redraw(); } });
   canvas.addEventListener("wheel", (event) => {

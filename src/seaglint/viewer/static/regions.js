@@ -1,10 +1,10 @@
 // Regions: their list, the histogram of the chosen one, courses of their means, and their files.
 import { Plot } from "./plots.js";
 import { course, plots } from "./side.js";
-import { active, colourOf, region as chosen, regionQuery, say, state, textOf } from "./state.js";
-import { $, INK, digits, fill, jobDone, json, latest, saved, short, within } from "./tools.js";
+import { grown, moved } from "./shapes.js";
+import { active, body, colourOf, meta, region as chosen, say, scaleEnds, state } from "./state.js";
+import { $, INK, Work, digits, fill, json, latest, saved, short, within } from "./tools.js";
 
-const body = (regions = state.regions) => ({ method: "POST", body: JSON.stringify({ regions: regions.map((one) => [textOf(one), one.name]) }) });
 const layerQuery = () => `layer=${encodeURIComponent($("layer").value)}`;
 
 /** Add a region, and choose it. */
@@ -15,6 +15,9 @@ export function add(shape, numbers, name = "") {
   state.regions.push({ shape, numbers, name: name || String(free) });
   state.chosen = state.regions.length - 1;
 }
+
+/** Give a region other numbers; the means over all frames are no longer its own. */
+export function reshape(index, numbers) { state.regions[index].numbers = numbers; forget(); }
 
 const numbersOf = (text) => { const [shape, ...words] = text.split(" "); return [shape, words.map(Number)]; };
 
@@ -30,16 +33,16 @@ function words({ shape, numbers }) {
 /** Statistics of all regions of this frame, and the histogram of the chosen one. */
 export const region = latest(async () => {
   const one = chosen();
-  $("region-tools").hidden = $("histogram-box").hidden = !one;
+  $("region-tools").hidden = !one;
   $("regions").hidden = !state.regions.length;
   $("courses-box").hidden = !courses;
-  if (!one) { $("region").replaceChildren(); $("regions").replaceChildren(); $("region-where").textContent = "draw one: choose a shape above, or drag with Shift"; return; }
+  if (!one) { $("histogram-box").hidden = true; $("region").replaceChildren(); $("regions").replaceChildren(); $("region-where").textContent = "draw one: choose a shape above, or drag with Shift"; return; }
   $("region-where").textContent = words(one);
   try {
     const where = `${active()}/${state.frame}`;
     const [all, found] = await Promise.all([
       json(`/api/regions/${where}?${layerQuery()}`, body()),
-      json(`/api/region/${where}?${new URLSearchParams([["layer", $("layer").value], ...regionQuery()])}`).catch((error) => ({ reason: error.message })),
+      json(`/api/region/${where}?${layerQuery()}`, body([one])).catch((error) => ({ reason: error.message })),
     ]);
     list(all);
     details(found);
@@ -48,7 +51,7 @@ export const region = latest(async () => {
 
 function list({ regions, unit, frame }) {
   const table = document.createElement("tbody"), head = table.insertRow();
-  for (const text of ["", `mean${unit ? ` [${unit}]` : ""}`, "deviation", "pixels", ""]) head.insertCell().textContent = text;
+  for (const text of ["", unit ? `mean\n[${unit.replaceAll(" ", "\u00a0")}]` : "mean", "deviation", "pixels", ""]) head.insertCell().textContent = text;
   regions.forEach((found, number) => {
     if (!state.regions[number]) return;
     const row = table.insertRow(), name = document.createElement("button"), gone = document.createElement("button"), swatch = document.createElement("i");
@@ -56,8 +59,9 @@ function list({ regions, unit, frame }) {
     name.append(swatch, state.regions[number].name);
     name.setAttribute("aria-pressed", String(number === state.chosen));
     name.dataset.testid = "region-choose";
-    name.title = words(state.regions[number]);
+    name.title = `${words(state.regions[number])}; arrow keys move it, with Shift they resize it, Delete removes it`;
     name.addEventListener("click", () => { state.chosen = number; changed(); });
+    name.addEventListener("keydown", (event) => key(event, number));
     row.insertCell().append(name);
     if (found.reason) {
       const cell = row.insertCell();
@@ -75,18 +79,43 @@ function list({ regions, unit, frame }) {
     gone.textContent = "×";
     gone.setAttribute("aria-label", `remove region ${state.regions[number].name}`);
     gone.dataset.testid = "region-remove";
-    gone.addEventListener("click", () => { state.regions.splice(number, 1); state.chosen = Math.min(state.chosen, state.regions.length - 1); courses = null; changed(); });
+    gone.addEventListener("click", () => remove(number));
     row.insertCell().append(gone);
   });
+  // The focus stays at the button that has it.
+  const buttons = (place) => [...place.querySelectorAll("button")], focused = buttons($("regions")).indexOf(document.activeElement);
   $("regions").replaceChildren(table);
+  buttons(table)[focused]?.focus();
   $("regions").dataset.frame = frame;
 }
 
+function remove(number) {
+  state.regions.splice(number, 1);
+  state.chosen = Math.min(state.chosen, state.regions.length - 1);
+  forget();
+  changed();
+}
+
+const later = latest(async () => { await new Promise((go) => setTimeout(go, 60)); changed(); });
+
+/** Keys at the name of a region. */
+function key(event, number) {
+  if (event.key === "Delete") { event.preventDefault(); remove(number); return; }
+  const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+  if (!by || event.metaKey || event.altKey) return;
+  event.preventDefault();
+  const one = state.regions[number], step = by.map((v) => (event.ctrlKey ? 10 : 1) * v);
+  state.chosen = number;
+  reshape(number, (event.shiftKey ? grown : moved)(one, step, meta()));
+  drawn();
+  later();
+}
+
 function details(found) {
+  $("histogram-box").hidden = Boolean(found.reason);
   if (found.reason) {
     $("region").replaceChildren();
     $("region-where").textContent = found.reason;
-    plots.histogram.set({ series: [], x: {}, y: {} });
     return;
   }
   const { gamma, gaussian } = found.fits, value = (v) => within(v, found.std), three = (v) => digits(v, 3);
@@ -111,11 +140,11 @@ function details(found) {
       ...fits.map(([name, colour]) => ({ name: name === "gamma" ? "gamma" : "Gaussian", colour, xs: at, values: found.fits[name].density })),
     ],
     x: { name: short(found.label), unit: found.unit }, y: { name: "density", unit: !found.spread_unit ? "" : found.spread_unit.includes(" ") ? `1/(${found.spread_unit})` : `1/${found.spread_unit}` },
-    note: "point at it, or use the arrow keys, to read values",
+    limits: scaleEnds(), note: "point at it, or use the arrow keys, to read values; drag the limits of the scale",
   });
 }
 
-let courses = null, cancel = null;
+let courses = null, means = null, analysis = null;
 
 /** Means of all regions in all frames. */
 async function follow() {
@@ -123,22 +152,19 @@ async function follow() {
   const names = state.regions.map((one) => one.name);
   $("courses-run").disabled = true;
   try {
-    const told = (share, stop) => { cancel = stop; $("courses-progress").textContent = `${share} %`; $("courses-cancel").hidden = false; };
-    const { result } = await jobDone(`/api/courses/${active()}?${layerQuery()}`, told, body());
+    const { result } = await means.done(`/api/courses/${active()}?${layerQuery()}`, body());
     courses = { ...result, names };
     $("courses").dataset.means = JSON.stringify(result.means);
     recourse();
-    $("courses-progress").textContent = "";
   } catch (error) { $("courses-progress").textContent = error.message; }
   $("courses-run").disabled = false;
-  $("courses-cancel").hidden = true;
 }
 
 /** The courses again, with the place of the frame shown. */
 export function recourse() {
   $("courses-box").hidden = !courses;
   if (!courses) return;
-  $("courses-where").textContent = short(courses.label);
+  $("courses-where").textContent = `means of ${short(courses.label)}`;
   const { xs, x, now } = course(courses);
   plots.courses.set({
     series: courses.means.map((values, i) => ({ name: courses.names[i], colour: colourOf(i, INK.series), xs, values })),
@@ -146,38 +172,43 @@ export function recourse() {
   });
 }
 
-/** Courses of another layer or source are not those shown. */
-export function forget() { courses = null; recourse(); }
+/** Courses and analyses of another layer, source or shape are not those shown. */
+export function forget() {
+  courses = null;
+  recourse();
+  $("analysis").textContent = "";
+  $("analysis-save").hidden = true;
+}
 
 /** What analyze tells of the region; asked for until it is there. */
 async function analyse(all) {
   if (!chosen()) return;
   $("analysis-save").hidden = true;
-  $("analysis").textContent = "…";
   try {
-    const query = new URLSearchParams([["layer", $("layer").value], ["all", all ? "1" : "0"], ...regionQuery()]);
-    const { job, result } = await jobDone(`/api/analysis/${active()}/${state.frame}?${query}`, (share) => { $("analysis").textContent = `${share} %`; });
+    const { job, result } = await analysis.done(`/api/analysis/${active()}/${state.frame}?${layerQuery()}&all=${all ? 1 : 0}`, body([chosen()]));
     const best = Object.entries(result.fits).filter(([, fit]) => fit.ks !== null).sort((x, y) => x[1].ks - y[1].ks)[0];
     const alarm = result.false_alarms[0];
-    $("analysis").textContent = (best ? `nearest distribution: ${best[0]} (Kolmogorov-Smirnov distance ${digits(best[1].ks, 3)}); ` : "") + `above ${alarm.threshold_sigma} σ: ${digits(alarm.rate, 3)} per pixel. Save all:`;
+    $("analysis").textContent = (all ? "all frames: " : `frame ${result.frame}: `) + (best ? `nearest distribution: ${best[0]} (Kolmogorov-Smirnov distance ${digits(best[1].ks, 3)}); ` : "") + `above ${alarm.threshold_sigma} σ: ${digits(alarm.rate, 3)} per pixel. Save all:`;
     $("analysis").dataset.result = JSON.stringify(result);
     for (const kind of ["json", "csv"]) $(`save-${kind}`).href = `/api/job/${job}?save=${kind}`;
     $("analysis-save").hidden = false;
   } catch (error) { $("analysis").textContent = error.message; }
 }
 
-let changed = () => {};
+let changed = () => {}, drawn = () => {};
 
-/** Bind the panel; `redrawn` draws the picture and counts the threshold again. */
-export function bindRegions(redrawn, goTo) {
-  changed = () => { region(); redrawn(); };
-  plots.histogram = new Plot($("histogram"), $("histogram-read"));
-  plots.courses = new Plot($("courses"), $("courses-read"), (x, at) => goTo(courses.frames[at]));
-  $("region-clear").addEventListener("click", () => { state.regions = []; state.chosen = -1; courses = null; changed(); });
+/** Bind the panel. `page` has redraw, recount (the threshold), goTo (a frame) and limits (ends of the scale). */
+export function bindRegions(page) {
+  drawn = page.redraw;
+  changed = () => { region(); drawn(); page.recount(); };
+  means = new Work($("courses-progress"), $("courses-cancel"));
+  analysis = new Work($("analysis"), $("analysis-cancel"));
+  plots.histogram = new Plot($("histogram"), $("histogram-read"), { dragged: page.limits });
+  plots.courses = new Plot($("courses"), $("courses-read"), { picked: (x, at) => page.goTo(courses.frames[at]) });
+  $("region-clear").addEventListener("click", () => { state.regions = []; state.chosen = -1; forget(); changed(); });
   $("analyse-frame").addEventListener("click", () => analyse(false));
   $("analyse-all").addEventListener("click", () => analyse(true));
   $("courses-run").addEventListener("click", follow);
-  $("courses-cancel").addEventListener("click", () => cancel && cancel());
   $("courses-close").addEventListener("click", forget);
   for (const kind of ["csv", "imagej"]) $(`regions-${kind}`).addEventListener("click", () => saved(`/api/save/regions/${kind}`, body()).catch(say));
   $("regions-load").addEventListener("change", async () => {

@@ -1,7 +1,7 @@
 // The panels beside the picture and the plots under it: probe, pixel in time, profile, threshold, files to save.
 import { Plot } from "./plots.js";
-import { active, isGone, regionQuery, say, showing, state } from "./state.js";
-import { $, INK, bytes, digits, fill, json, latest, rate, reading, saved, short } from "./tools.js";
+import { active, body, isGone, meta, region as chosen, say, showing, state } from "./state.js";
+import { $, INK, Work, bytes, digits, fill, json, latest, rate, reading, saved, short } from "./tools.js";
 
 export const plots = {};
 
@@ -34,21 +34,27 @@ export const probe = latest(async () => {
   } catch (error) { say(error); }
 });
 
-let traced = null;
+let traced = null, tracing = null;
 
-/** Course of the pixel clicked. */
-export const follow = latest(async () => {
+/** Course of the pixel clicked; a course that is still being read is given up for it. */
+export function follow() { tracing.cancel(); return trace(); }
+
+const trace = latest(async () => {
+  traced = null;
   $("trace-box").hidden = !state.pinned;
-  if (!state.pinned) { traced = null; return; }
-  const [column, row] = state.pinned;
+  if (!state.pinned) return;
+  const [column, row] = state.pinned, query = new URLSearchParams({ row, column, layer: $("layer").value }), source = active();
+  $("trace-where").textContent = `column ${column}, row ${row}`;
+  plots.trace.set({ series: [], x: {}, y: {}, note: "reading all frames" });
   try {
-    traced = await json(`/api/trace/${active()}/${state.frame}?row=${row}&column=${column}&layer=${encodeURIComponent($("layer").value)}&spread=${$("trace-spread").checked ? 1 : 0}`);
-    const { frames } = traced;
-    $("trace-spread-box").hidden = traced.whole;
-    $("trace-where").textContent = `column ${column}, row ${row}: ${short(traced.label)}` + (traced.whole ? "" : `, ${frames.length} of the frames ${frames[0]} to ${frames[frames.length - 1]}`);
+    traced = (await tracing.done(`/api/trace/${source}?${query}`)).result;
+    $("trace-where").textContent = `column ${column}, row ${row}: ${short(traced.label)}`;
     $("trace").dataset.values = JSON.stringify(traced.values);
     retrace();
-  } catch (error) { say(error); }
+  } catch (error) {
+    if (error.message !== "cancelled") say(error);
+    else plots.trace.set({ series: [], x: {}, y: {}, note: "cancelled; click a pixel to read it" });
+  }
 });
 
 /** The x of a course and the place of the frame shown in it. */
@@ -57,11 +63,11 @@ export function course({ frames, times_s: times }) {
   return { xs: times || frames, x: times ? { name: "time", unit: "s" } : { name: "frame", unit: "" }, now: place < 0 ? null : (times || frames)[place] };
 }
 
-/** The same course with the frame's place moved; another part of it where the frame has left what is shown. */
+/** The same course with the frame's place moved; read again where the frame was written later. */
 export function retrace() {
   if (!traced || !state.pinned) return;
-  const { frames } = traced, outside = state.frame < frames[0] || state.frame > frames[frames.length - 1];
-  if (outside && !$("trace-spread").checked && !state.playing) { follow(); return; }
+  const { frames } = traced;
+  if (state.frame > frames[frames.length - 1] && frames.length < meta().done && !state.playing) { follow(); return; }
   const { xs, x, now } = course(traced);
   plots.trace.frames = frames;
   plots.trace.set({ series: [{ name: "pixel", colour: INK.mark, xs, values: traced.values }], x, y: { name: short(traced.label), unit: traced.unit }, now });
@@ -84,14 +90,20 @@ export const profile = latest(async () => {
 /** Pixels above the threshold, on the picture and as a rate. */
 export async function threshold() {
   const pane = state.panes[state.active === "b" && state.b !== null ? "b" : "a"];
-  if (!$("threshold-on").checked) {
+  const nothing = () => {
     Object.values(state.panes).forEach((other) => other.setMask(null));
     $("threshold-table").replaceChildren();
     $("threshold-plot-box").hidden = true;
+  };
+  if (!$("threshold-on").checked) { nothing(); return; }
+  const query = new URLSearchParams([["sigma", $("threshold").value], ["filter", $("threshold-filter").value], ["layer", $("layer").value]]);
+  let found;
+  try { found = await json(`/api/exceedances/${active()}/${state.frame}?${query}`, chosen() ? body([chosen()]) : { method: "POST" }); } catch (error) {
+    if (error.gone || error.name === "AbortError") throw error;
+    nothing();
+    fill($("threshold-table"), [{ label: error.message, values: [] }]);
     return;
   }
-  const query = new URLSearchParams([["sigma", $("threshold").value], ["filter", $("threshold-filter").value], ["layer", $("layer").value], ...regionQuery()]);
-  const found = await json(`/api/exceedances/${active()}/${state.frame}?${query}`);
   Object.values(state.panes).forEach((other) => other.setMask(other === pane ? bytes(found.mask) : null));
   const rows = [
     { id: "threshold-count", label: "pixels above", values: [found.exceedances], unit: `of ${found.pixels}` },
@@ -123,7 +135,7 @@ export function files() {
 }
 
 /** A refusal is told instead of replacing the page. */
-export function save(event) {
+function save(event) {
   event.preventDefault();
   saved(event.currentTarget.href).catch(say);
 }
@@ -137,12 +149,12 @@ export function bindSide(redraw, goTo) {
     $("threshold-on").checked = true;
     again();
   };
-  plots.trace = new Plot($("trace"), $("trace-read"), (x, at) => goTo(plots.trace.frames[at]));
+  plots.trace = new Plot($("trace"), $("trace-read"), { picked: (x, at) => goTo(plots.trace.frames[at]) });
+  tracing = new Work($("trace-progress"), $("trace-cancel"));
   plots.profile = new Plot($("profile"), $("profile-read"));
-  plots.threshold = new Plot($("threshold-plot"), $("threshold-read"), above);
+  plots.threshold = new Plot($("threshold-plot"), $("threshold-read"), { picked: above });
   for (const id of ["threshold-on", "threshold-filter"]) $(id).addEventListener("change", again);
   $("threshold").addEventListener("input", () => above($("threshold").value));
-  $("trace-spread").addEventListener("change", follow);
   $("trace-close").addEventListener("click", () => { state.pinned = null; follow(); redraw(); });
   $("profile-close").addEventListener("click", () => { state.line = null; profile(); redraw(); });
   for (const id of ["clip-first", "clip-last"]) $(id).addEventListener("change", files);

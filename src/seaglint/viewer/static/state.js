@@ -36,13 +36,22 @@ export const region = () => state.regions[state.chosen] || null;
 
 export const textOf = ({ shape, numbers }) => [shape, ...numbers].join(" ");
 
-export const regionQuery = () => (region() ? [["region", textOf(region())]] : []);
+/** A request with regions; their corners would not fit into an address. */
+export const body = (regions = state.regions) => ({ method: "POST", body: JSON.stringify({ regions: regions.map((one) => [textOf(one), one.name]) }) });
 
 /** Colour of a region on the picture and in plots. */
 export const colourOf = (number, colours) => colours[number % colours.length];
 
 /** Source and number of the pane touched last; the difference has none of its own. */
 export const active = () => (state.active === "b" && state.b !== null ? state.b : state.a);
+
+export const meta = () => (active() === state.a ? state.meta.a : state.meta.b);
+
+/** Lower and upper end of the scale shown; null before there is one. */
+export function scaleEnds() {
+  const scale = state.panes[state.active === "b" && state.panes.b ? "b" : "a"]?.scale;
+  return scale ? [scale.values[0], scale.values[scale.values.length - 1]] : null;
+}
 
 export function layerText() {
   const found = state.meta.a.layers.find((layer) => layer.name === $("layer").value);

@@ -6,9 +6,13 @@ const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 /** A power of ten as it is printed. */
 export const power = (n) => "10" + (n < 0 ? "⁻" : "") + [...String(Math.abs(n))].map((digit) => RAISED[digit]).join("");
 
+/** Text of a number with the minus of print. */
+export const minus = (text) => text.replace("-", "−");
+
 /** A number with so many significant digits; very small and very large ones by a power of ten. */
 export function digits(value, many = 4) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  if (value < 0) return minus(`-${digits(-value, many)}`);
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-3 || size >= 1e6)) return scientific(value, many);
   if (Number.isInteger(value)) return String(value);
@@ -26,11 +30,14 @@ export const rate = (value) => (value === null || value === 0 || value >= 0.1 ? 
 /** A value of values that spread: digits down to a hundredth of their deviation. */
 export function within(value, spread) {
   if (value === null || !(spread > 0) || Math.abs(value) >= 1e6 || (value !== 0 && Math.abs(value) < 1e-3)) return digits(value);
-  return value.toFixed(Math.min(Math.max(2 - Math.floor(Math.log10(spread)), 0), 7));
+  return minus(value.toFixed(Math.min(Math.max(2 - Math.floor(Math.log10(spread)), 0), 7)));
 }
 
 /** A value as it is read off: hundredths of a degree, thousandths of a direction, five digits otherwise. */
-export const reading = (value, unit) => (value !== null && ["K", "°C"].includes(unit) ? value.toFixed(2) : value !== null && unit === "°" ? value.toFixed(3) : digits(value, 5));
+export function reading(value, unit) {
+  const decimals = { K: 2, "°C": 2, "°": 3 }[unit];
+  return value === null || decimals === undefined ? digits(value, 5) : minus(value.toFixed(decimals));
+}
 
 /** Ticks at round numbers between two ends. */
 export function ticks(low, high, wanted) {
@@ -47,7 +54,7 @@ export function ticks(low, high, wanted) {
 /** What a layer is, short enough for a panel. */
 export const short = (label) => label.replace("in-band radiance at the aperture", "radiance").replace("in-band ", "").replace(/ of the line of sight.*| from the sensor to the sea.*|, mean over what.*/, "");
 
-export class Told extends Error {
+class Told extends Error {
   constructor(text, gone) { super(text); this.gone = gone; }
 }
 
@@ -141,15 +148,41 @@ export function fill(table, rows) {
   table.replaceChildren(body);
 }
 
-/** The result of a job that a request starts; `told` is called with its progress in per cent, and with the function that cancels it. */
-export async function jobDone(path, told, options = {}) {
-  const { job } = await json(path, { method: "POST", ...options });
-  const cancel = () => ask(`/api/job/${job}`, { method: "DELETE" }).catch(() => {});
-  for (;;) {
-    const found = await json(`/api/job/${job}`);
-    if (found.result) return { job, result: found.result };
-    told(Math.round((100 * found.done) / Math.max(found.total, 1)), cancel);
-    await new Promise((done) => setTimeout(done, 200));
+/** A job whose progress is told in a line if it lasts, with a button that cancels it. */
+export class Work {
+  constructor(out, button) {
+    Object.assign(this, { out, button, number: null, cancelled: false });
+    button.addEventListener("click", () => this.cancel());
+  }
+
+  /** End the job that runs; its request then fails with the word "cancelled". */
+  cancel() {
+    this.cancelled = true;
+    if (this.number !== null) ask(`/api/job/${this.number}`, { method: "DELETE" }).catch(() => {});
+  }
+
+  /** The number of the job that a request starts, and its result. */
+  async done(path, options = { method: "POST" }) {
+    const began = performance.now();
+    this.cancelled = false;
+    this.out.textContent = "";
+    try {
+      const { job } = await json(path, options);
+      this.number = job;
+      if (this.cancelled) this.cancel();
+      for (let pause = 10; ; pause = Math.min(2 * pause, 200)) {
+        await new Promise((go) => setTimeout(go, pause));
+        const found = await json(`/api/job/${job}`);
+        if (found.result) return { job, result: found.result };
+        if (performance.now() - began < 300) continue;
+        this.out.textContent = `${Math.round((100 * found.done) / Math.max(found.total, 1))} %`;
+        this.button.hidden = false;
+      }
+    } finally {
+      this.number = null;
+      this.button.hidden = true;
+      this.out.textContent = "";
+    }
   }
 }
 

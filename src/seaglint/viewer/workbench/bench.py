@@ -1,4 +1,4 @@
-"""Page of the workbench: the form on the left, pictures of its scenario on the right, in the style of the viewer's pages.
+"""Page of the workbench: pictures of a scenario, and beside them the form that changes it, in the style of the viewer's pages.
 
 Pictures are drawn again shortly after the last change; a newer change replaces a picture in progress.
 """
@@ -24,15 +24,26 @@ from seaglint.viewer.workbench.scenario_draft import Draft, Keys, mistakes_of
 from seaglint.viewer.workbench.scenario_form import Form
 from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Painter, PreviewPicture
 from seaglint.viewer.workbench.sun_card import Daylight
-from seaglint.viewer.workbench.svg_pictures import PlanView, Quantity, distance, map_svg, plan, plan_svg
+from seaglint.viewer.workbench.svg_pictures import PlanView, Quantity, distance, map_svg, plan, plan_svg, value_at
 
-#: Style sheet of the page, and the script of its theme.
-_HEAD: Final = '<link rel="stylesheet" href="/static/workbench.css"><script src="/static/theme.js"></script>'
+#: Style sheets of the page, and the script of its theme.
+_HEAD: Final = (
+    '<link rel="stylesheet" href="/static/theme.css"><link rel="stylesheet" href="/static/workbench.css">'
+    '<script src="/static/theme.js"></script>'
+)
 
 _THEMES: Final = (
     '<label>theme <select data-theme-choice><option value="">system</option><option value="light">light</option>'
     '<option value="dark">dark</option></select></label>'
 )
+
+_POINT: Final = "point at the picture, or tap it, to read values"
+
+#: Sends the place of the pointer in shares of the picture's width and height.
+_PLACE: Final = """(event) => {
+  const box = event.currentTarget.querySelector("svg")?.getBoundingClientRect();
+  if (box) emit((event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height);
+}"""
 
 JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
 
@@ -183,22 +194,23 @@ class Bench:
     def build(self) -> None:
         """Build the page in the current slot."""
         with ui.element("div").classes("columns"):
-            self._left = ui.column().classes("left")
-            with ui.column().classes("right"):
-                self._problems = ui.column().classes("problems").props("data-problems")
+            with ui.column().classes("drawn"):
+                self._problems = ui.column().classes("problems alert").props("data-problems")
                 self._problems.set_visibility(False)
                 with ui.row().classes("pictures"):
                     self._maps = {job: self._map(job) for job in _TITLES}
                 with ui.row().classes("pictures"):
                     self._around()
                 self._writing()
+            # Last, so that the Tab key reaches the pictures first where they are above the form.
+            self._fields = ui.column().classes("form")
         self._refill()
         self.changed()
 
     def _refill(self) -> None:
         """Build the form again, since tables were added or removed."""
-        self._left.clear()
-        with self._left:
+        self._fields.clear()
+        with self._fields:
             self._form = Form(self._draft, self.changed)
             self._form.build()
 
@@ -213,7 +225,15 @@ class Bench:
                         on_change=lambda e: self._of(e.value),
                     ).props("dense no-caps unelevated size=sm toggle-text-color=on-mark data-do=quantity")
             picture = ui.html("", sanitize=False).classes("picture").props(f'data-picture="{job}"')
-            return picture, ui.label("").classes("faint").props(f'data-words="{job}"')
+            words = ui.label("").classes("faint").props(f'data-words="{job}"')
+            value = ui.label(_POINT).classes("faint").props(f'data-value="{job}" aria-live=polite')
+            for event in ("pointermove", "pointerdown"):
+                picture.on(event, lambda e: value.set_text(self._value(job, *e.args)), throttle=0.1, js_handler=_PLACE)
+            return picture, words
+
+    def _value(self, job: Job, across: float, down: float) -> str:
+        """Return the values at a place of a picture, given in shares of its width and height."""
+        return (job in self._pictures and value_at(self._pictures[job], self._quantity, across, down)) or _POINT
 
     def _around(self) -> None:
         with ui.column().classes("card third"):
@@ -343,9 +363,8 @@ class Bench:
         else:
             self._pictures[job] = result
             columns, rows = result.radiance.shape[::-1]
-            words.set_text(
-                f"{columns} x {rows} pixels for {result.pixels[0]} x {result.pixels[1]} of the scenario, computed in {result.seconds:.1f} s"
-            )
+            size = f"{columns} x {rows} pixels for {result.pixels[0]} x {result.pixels[1]} of the scenario"
+            words.set_text(f"{size}, computed in {result.seconds:.1f}\u00a0s")
             words.classes(remove="wrong")
             picture.classes(remove="old")
             picture.content = map_svg(result, self._quantity, _TITLES[job])
@@ -357,8 +376,10 @@ class Bench:
         with self._problems:
             for mistake in mistakes:
                 ui.label(mistake.text)
-        for picture, _ in self._maps.values():
+        for job, (picture, words) in self._maps.items():
             picture.classes(add="old") if mistakes else picture.classes(remove="old")
+            if mistakes:
+                words.set_text("of the last valid scenario" if job in self._pictures else "is drawn when the scenario is valid")
         self.status.set_text(
             f"{len(mistakes)} {'error' if len(mistakes) == 1 else 'errors'} to correct" if mistakes else "the scenario is valid"
         )

@@ -43,13 +43,8 @@ def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str
     # Radiance decides for both pictures whether the sky goes beyond the scale.
     scale = scale_of(values, depression=picture.depression if (own.low, own.high) != (whole.low, whole.high) else None)
     rows, columns = values.shape
-    width = _WIDTH - _LEFT - _RIGHT[quantity]
     x, y, names = _axes(picture)
-    shape = abs((y[1] - y[0]) / (x[1] - x[0]))
-    height = min(max(width * shape, _LOW), _HIGH)
-    # High pictures become narrower, so that pixels stay square; extreme shapes are stretched.
-    if height == _HIGH and 0.2 < shape < 5.0:
-        width = height / shape
+    width, height = _image_size(picture, quantity)
     middle, below = _TOP + height / 2, _TOP + height
     pieces = [
         f'<image x="{_LEFT:g}" y="{_TOP:g}" width="{width:.1f}" height="{height:.1f}" preserveAspectRatio="none" '
@@ -68,6 +63,40 @@ def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str
         f'aria-label="{title}: {VARIABLES[quantity].long_name}" font-family="system-ui, sans-serif" '
         f'font-size="11" fill="currentColor" data-rows="{rows}" data-columns="{columns}">{"".join(pieces)}</svg>'
     )
+
+
+def _image_size(picture: PreviewPicture, quantity: Quantity) -> tuple[float, float]:
+    """Return width and height of the pixels in the picture."""
+    x, y, _ = _axes(picture)
+    width = _WIDTH - _LEFT - _RIGHT[quantity]
+    shape = abs((y[1] - y[0]) / (x[1] - x[0]))
+    height = min(max(width * shape, _LOW), _HIGH)
+    # High pictures become narrower, so that pixels stay square; extreme shapes are stretched.
+    return (height / shape if height == _HIGH and 0.2 < shape < 5.0 else width), height
+
+
+def value_at(picture: PreviewPicture, quantity: Quantity, across: float, down: float) -> str:
+    """Return direction and values of the pixel at a place of ``map_svg``, in shares of its width and height; empty outside the pixels."""
+    width, height = _image_size(picture, quantity)
+    x = (across * (_LEFT + width + _RIGHT[quantity]) - _LEFT) / width
+    y = (down * (_TOP + height + _BOTTOM) - _TOP) / height
+    if not (0.0 <= x < 1.0 and 0.0 <= y < 1.0):
+        return ""
+    rows, columns = picture.radiance.shape
+    place = int(y * rows), int(x * columns)
+    radiance, kelvin = float(picture.radiance[place]), float(picture.temperature[place])
+    ends, sides, _ = _axes(picture)
+    # Centres of pixels.
+    azimuth = ends[0] + (place[1] + 0.5) / columns * (ends[1] - ends[0])
+    elevation = sides[0] + (place[0] + 0.5) / rows * (sides[1] - sides[0])
+    if picture.azimuth is None or picture.elevation is None:
+        where = f"column {math.floor(azimuth)}, row {math.floor(elevation)}"
+    else:
+        where = f"azimuth {azimuth % 360.0:.2f}°, elevation {elevation:.2f}°"
+    if not math.isfinite(radiance):
+        return f"{where}: no value".replace("-", "\u2212")
+    warm = f", {kelvin:.2f} K ({kelvin - 273.15:.2f} °C)" if math.isfinite(kelvin) else ""
+    return f"{where}: {radiance:.4g} {VARIABLES['radiance'].symbol}{warm}".replace("-", "\u2212")
 
 
 def _axes(picture: PreviewPicture) -> tuple[tuple[float, float], tuple[float, float], tuple[str, str]]:
@@ -123,7 +152,7 @@ def _bar(scale: Scale, quantity: Quantity, left: float, height: float) -> Iterat
     for share, label in zip(shown, labels, strict=True):
         y = min(max(_TOP + height * (1.0 - share), _TOP + 5), _TOP + height - 5)
         yield f'<text x="{left + 17:.1f}" y="{y:.1f}" dominant-baseline="central">{label}</text>'
-    unit, x, y = VARIABLES[quantity].symbol or VARIABLES[quantity].units, left + _RIGHT[quantity] - 24, _TOP + height / 2
+    unit, x, y = VARIABLES[quantity].symbol or VARIABLES[quantity].units, left + _RIGHT[quantity] - 22, _TOP + height / 2
     unit += " (°C)" if quantity == "apparent_temperature" else ""
     unit += ", log" if scale.logarithmic else ""
     yield f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle" transform="rotate(-90 {x:.1f} {y:.1f})">{unit}</text>'
@@ -263,12 +292,17 @@ def _pieces(view: PlanView, far: float) -> Iterator[str]:
     for ring in rings(far):
         r = _RADIUS * ring / far
         yield f'<circle cx="{middle:g}" cy="{middle:g}" r="{r:.1f}" fill="none" stroke="currentColor" stroke-opacity=".22"/>'
-        yield f'<text x="{middle + 4:g}" y="{middle - r - 3:.1f}" opacity=".65">{distance(ring)}</text>'
     if view.horizon <= far:
         r = _RADIUS * view.horizon / far
         yield f'<circle class="horizon" cx="{middle:g}" cy="{middle:g}" r="{r:.1f}" fill="none" stroke="{VIEW}" stroke-dasharray="6 4"/>'
         # In the corner, which no circle reaches.
         yield f'<text x="{_SIZE - 3:g}" y="{_SIZE - 5:g}" text-anchor="end">horizon {distance(view.horizon)}</text>'
+    for ring in rings(far):
+        # Over the horizon's line, on a ground of its own.
+        yield (
+            f'<text x="{middle + 4:g}" y="{middle - _RADIUS * ring / far - 3:.1f}" fill="var(--faint)" stroke="var(--panel)" '
+            f'stroke-width="4" paint-order="stroke">{distance(ring)}</text>'
+        )
     for azimuth, name in ((0, "N"), (90, "E"), (180, "S"), (270, "W")):
         x, y = _polar(azimuth, _RADIUS + 13).split(",")
         yield f'<text x="{x}" y="{y}" text-anchor="middle" dominant-baseline="central" font-weight="600">{name}</text>'
