@@ -16,7 +16,7 @@ TABLES = 1.5e-3
 @pytest.mark.validation
 @pytest.mark.parametrize(("wind", "sun_zenith", "frames"), [(15.0, 30.0, 300), (2.0, 60.0, 300), (10.0, 80.0, 400)])
 def test_steep_views_average_to_the_mean_model(wind, sun_zenith, frames):
-    """Three of twelve seas and Suns (docs/validation/rendered-seas.md): every Sun, the calmest sea and the roughest; each frame is a new sea.
+    """Three of twelve seas and Suns (docs/validation/rendered-seas.md): every Sun, the calmest sea and the roughest; every frame new.
 
     Largest standard errors are 0.17 % at Suns of 30 and 60 deg, 0.4 % at 80 deg, where the glint itself departs.
     """
