@@ -36,13 +36,13 @@ ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = ROOT / "docs" / "gallery"
 IMAGES = ROOT / "docs" / "images" / "gallery"
 MOST_BYTES = 100_000
-MOST_SMALL_BYTES = 40_000
+MOST_SMALL_BYTES = 28_000
 SMALL = (480, 320)
 """Width and height of a small picture [pixels], twice what pages show."""
 SMALL_INCHES = (3.6, 2.4)
 WORDS = 10.0
 """Size of words of a small picture [points]: 9 pixels as pages show it."""
-PANELS = {"glint_winds": 3, "layers": 3, "sun_heights": 2}
+PANELS = {"glint_winds": 1, "layers": 3, "sun_heights": 2}
 """Panel that a small picture shows, where it is not the first."""
 
 

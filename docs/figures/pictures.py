@@ -37,30 +37,29 @@ def local_mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
-def palette(picture: Image.Image) -> Image.Image | None:
-    """Return a picture with 256 colours and no dithering, or nothing where some colours would be seen to change."""
+def palettes(picture: Image.Image) -> list[Image.Image]:
+    """Return pictures with 256 colours and no dithering; none where some colours would be seen to change."""
     exact = np.asarray(picture, np.float64)
     smooth = (local_mean(exact**2) - local_mean(exact) ** 2).max(axis=-1) < SMOOTH**2
-    choices = []
+    result = []
     for method in METHODS:
         reduced = picture.quantize(COLOURS, method, kmeans=8, dither=Image.Dither.NONE)
         difference = np.asarray(reduced.convert("RGB"), np.float64) - exact
         farthest = float(np.quantile(np.abs(difference).max(axis=-1), 0.999))
         band = float(np.quantile(np.abs(local_mean(difference)).max(axis=-1)[smooth], 0.999)) if smooth.any() else 0.0
-        choices.append((max(farthest / FARTHEST, band / BAND), reduced))
-    worst, reduced = min(choices, key=lambda choice: choice[0])
-    return reduced if worst <= 1.0 else None
+        if farthest <= FARTHEST and band <= BAND:
+            result.append(reduced)
+    return result
 
 
 def encoded(picture: Image.Image) -> bytes:
     """Return a picture as the smallest PNG that shows its colours."""
     picture = picture.convert("RGB")
     contents = []
-    for one in (picture, palette(picture)):
-        if one is not None:
-            out = io.BytesIO()
-            one.save(out, "PNG", optimize=True)
-            contents.append(out.getvalue())
+    for one in (picture, *palettes(picture)):
+        out = io.BytesIO()
+        one.save(out, "PNG", optimize=True)
+        contents.append(out.getvalue())
     return min(contents, key=len)
 
 

@@ -33,7 +33,7 @@ def test_lines_become_a_palette_and_smooth_maps_of_many_colours_do_not(tmp_path:
     path = tmp_path / "lines.png"
     pictures.save(figure, path)
     assert Image.open(path).mode == "P"
-    assert pictures.palette(ramp(1, 0.0)) is None
+    assert pictures.palettes(ramp(1, 0.0)) == []
 
 
 def test_a_picture_is_written_anew_only_where_that_is_smaller(tmp_path: Path) -> None:
