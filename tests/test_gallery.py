@@ -7,9 +7,10 @@ import re
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
-from make_gallery import IMAGES, MOST_BYTES, SCRIPTS, draw, encoded, keep, names
+from make_gallery import IMAGES, MOST_BYTES, MOST_SMALL_BYTES, SCRIPTS, SMALL, draw, encoded, keep, names, thumbnail
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 QUICK = ("air_spectra", "wave_spectrum", "wind_rose")
@@ -39,7 +40,7 @@ def test_its_picture_is_small_and_shown(name: str) -> None:
     pictures = [path for path in IMAGES.glob(f"{name}.*") if path.suffix in (".png", ".jpg")]
     assert len(pictures) == 1, f"run python docs/figures/make_gallery.py {name}"
     assert pictures[0].stat().st_size < MOST_BYTES
-    assert (IMAGES / "small" / f"{name}.jpg").stat().st_size < 40_000
+    assert (IMAGES / "small" / f"{name}.jpg").stat().st_size < MOST_SMALL_BYTES
     pages = [page for page, text in PAGES.items() if f"(../images/gallery/{pictures[0].name})" in text and f"({name}.py)" in text]
     assert len(pages) == 1
     assert f"(../images/gallery/small/{name}.jpg)]({pages[0]}#" in PAGES["index.md"]
@@ -52,10 +53,27 @@ def test_no_picture_is_left_behind() -> None:
 
 def drawn(name: str, folder: Path) -> None:
     """Draw at reduced size; the picture shows something."""
-    picture = draw(name, small=True)
+    picture, thumbnail = draw(name, small=True)
     assert min(picture.size) > 200
-    assert len(picture.convert("L").getcolors()) > 10
-    assert keep(name, picture, folder).stat().st_size < MOST_BYTES
+    assert all(len(one.convert("L").getcolors()) > 10 for one in (picture, thumbnail))
+    assert keep(name, picture, thumbnail, folder).stat().st_size < MOST_BYTES
+
+
+def test_small_pictures_have_one_size() -> None:
+    assert {Image.open(path).size for path in (IMAGES / "small").iterdir()} == {SMALL}
+
+
+def test_a_small_picture_shows_one_panel_with_words_that_fit() -> None:
+    figure = Figure(layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    drawn = right.imshow([[0.0, 1.0], [2.0, 3.0]], label="sea")
+    figure.colorbar(drawn, ax=[left, right], label="radiance")
+    right.set(title="a title", xlabel="column", ylabel="distance from the place of the sensor along the surface [m]")
+    right.legend([], [], title="a legend")
+    assert thumbnail(figure, 1).size == SMALL
+    assert figure.axes == [right]
+    assert (right.get_title(), right.get_xlabel(), right.get_ylabel(), right.get_legend()) == ("", "column", "", None)
+    assert len(right.get_xticks()) <= 6
 
 
 @pytest.mark.parametrize("name", QUICK)

@@ -4,8 +4,8 @@
     python tools/run_notebooks.py training_loop            run one
     python tools/run_notebooks.py --write training_loop    store its outputs in the file, and its picture in docs/images/gallery
 
-Each runs in an empty folder, in the interpreter that runs this tool. The picture is that of the cell with the tag ``gallery``. A notebook
-that writes to stderr is not stored.
+Each runs in an empty folder, in the interpreter that runs this tool. The picture is that of the cell with the tag ``gallery``; its small
+picture is cut from it around one panel. A notebook that writes to stderr is not stored.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ from make_gallery import IMAGES, keep
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "examples"
 TAG = "gallery"
+PANELS = {"apparent_temperature_and_glint": (0, 42, 326, 305), "camera_and_range": (0, 30, 462, 349), "training_loop": (0, 40, 395, 230)}
+"""Left, top, right and bottom of the panel that the small picture shows [pixels]; the whole picture by default."""
 
 
 def names() -> list[str]:
@@ -110,7 +112,8 @@ def main() -> None:
             import nbformat
 
             nbformat.write(book, EXAMPLES / f"{name}.ipynb")
-            keep(name, picture(book), IMAGES)
+            whole = picture(book)
+            keep(name, whole, whole.crop(PANELS.get(name, (0, 0, *whole.size))), IMAGES)
 
 
 if __name__ == "__main__":

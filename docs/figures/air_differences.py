@@ -16,6 +16,7 @@ from scipy.stats import norm
 
 import seaglint as sg
 from detection_ranges import AIR_K, CASES, Case
+from pictures import save
 from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
@@ -138,7 +139,7 @@ def picture() -> None:
             axis.set_xlabel("azimuth [deg]")
             figure.colorbar(drawn, ax=axis, label="apparent temperature [K]" if "less" not in title else "difference [K]")
         row[0].set_ylabel("elevation [deg]")
-    figure.savefig(PICTURE, dpi=110)
+    save(figure, PICTURE)
 
 
 def main() -> None:

@@ -19,6 +19,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import CubicSpline
 
+from pictures import save
 from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
@@ -162,7 +163,7 @@ def main(names: list[str]) -> None:
     if unknown := set(names) - set(PICTURES):
         sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(PICTURES)}")
     for name in names or PICTURES:
-        PICTURES[name]().savefig(IMAGES / f"{name}.png", dpi=110, metadata={"Software": None})
+        save(PICTURES[name](), IMAGES / f"{name}.png")
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from pictures import save
 from seaglint.base.errors import SeaglintError
 from seaglint.detection.design import by_windows
 from seaglint.detection.injection import Batch, inject
@@ -117,7 +118,7 @@ def azimuths(parts: StudyParts) -> None:
         axes.imshow(image[:, column - 20 : column + 21], cmap="gray", interpolation="nearest")
         axes.set(xticks=[], yticks=[])
         axes.set_title(f"{title}: the object is in the middle", fontsize=8)
-    figure.savefig(IMAGES / "detection_azimuth.png", dpi=110)
+    save(figure, IMAGES / "detection_azimuth.png")
 
 
 def needed(seas: IndependentSeas, name: str, parts: StudyParts) -> str:
@@ -162,11 +163,11 @@ def pictures(parts: StudyParts) -> None:
     case = run_scene(scene(SUN + 5.0, (96, 64), PIXEL_DEG, elevation=-2.5, sensor=True), wanted, parts)
     chips = draw_chips(case.chips, case.result["threshold_sigma"])
     assert chips is not None
-    chips.savefig(IMAGES / "detection_chips.png", dpi=110)
-    draw_characteristic(case.roc, case.rows, "W m⁻² sr⁻¹").savefig(IMAGES / "detection_roc.png", dpi=110)
+    save(chips, IMAGES / "detection_chips.png")
+    save(draw_characteristic(case.roc, case.rows, "W m⁻² sr⁻¹"), IMAGES / "detection_roc.png")
     wide = scene(SUN + 8.0, (160, 48), 0.15, elevation=-5.0)
     wanted = SceneRequest("scenario", detector="top-hat", frames=SEAS, **shared)
-    draw_map(run_scene(wide, wanted, parts).map).savefig(IMAGES / "detection_map.png", dpi=110)
+    save(draw_map(run_scene(wide, wanted, parts).map), IMAGES / "detection_map.png")
 
 
 def range_of(wind: float, bearing: float, parts: StudyParts) -> DetectionRange:
@@ -200,7 +201,7 @@ def ranges(parts: StudyParts) -> None:
         halves = list(workers.map(range_of, *zip(*cases, strict=True), repeat(parts)))
     # the wind comes from the Sun and the buoy is round: one half of the circle is the mirror image of the other
     mirrored = [replace(one, bearing_deg=360.0 - one.bearing_deg) for one in halves if one.bearing_deg not in (None, 0.0, 180.0)]
-    draw_ranges(halves + mirrored).savefig(IMAGES / "detection_range.png", dpi=110)
+    save(draw_ranges(halves + mirrored), IMAGES / "detection_range.png")
 
 
 def main() -> None:

@@ -7,7 +7,7 @@
 ``fig2.png`` to ``fig4.png``, ``fig10.png``, ``fig12.png`` (some minutes) and ``measured.png`` those of ``seaglint reproduce``,
 ``near_horizon.png`` that of ``docs/data/near_horizon.csv``, ``clutter_*.png`` pictures of ``seaglint analyze --report`` of the demo's four
 seconds (which take some minutes to render), ``likelihood_regions.png`` glint in three regions of the sea, ``dataset_examples.png`` the
-sheet of a data set of the first 18 scenes of ``examples/small-objects.toml`` (some minutes). Those above 300 kB are reduced to 256 colours.
+sheet of a data set of the first 18 scenes of ``examples/small-objects.toml`` (some minutes).
 
 ``video`` makes the first page's ten seconds of the demo (some minutes): ``docs/_static/demo.mp4`` with its picture ``demo.jpg``.
 """
@@ -24,7 +24,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PIL import Image
+from pictures import renew, save
 
 if TYPE_CHECKING:
     from seaglint.analysis import Analysis
@@ -33,8 +33,6 @@ ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = ROOT / "examples" / "demo.toml"
 IMAGES = ROOT / "docs" / "images"
 CLUTTER = ("regions", "rates", "exceedances", "slices", "histograms")
-LARGE = 300_000
-"""Bytes above which a picture is reduced."""
 VIDEO = ROOT / "docs" / "_static" / "demo.mp4"
 VIDEO_FRAMES = 250
 """Frames of the video: ten seconds."""
@@ -96,7 +94,7 @@ def near_horizon(folder: Path) -> Path:
     axes.set_xticks([], minor=True)
     axes.legend(fontsize=8)
     path = folder / "near_horizon.png"
-    picture.savefig(path, dpi=110, metadata={"Software": None})
+    save(picture, path)
     return path
 
 
@@ -155,17 +153,6 @@ def video(folder: Path) -> None:
         output.mux(stream.encode())
 
 
-def slim(path: Path) -> None:
-    """Reduce a large PNG to 256 colours, without dithering, where that makes it smaller."""
-    if (before := path.stat().st_size) > LARGE:
-        reduced = Image.open(path).convert("RGB").quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-        reduced.save(path.with_suffix(".slim"), "PNG", optimize=True)
-        if path.with_suffix(".slim").stat().st_size < before:
-            path.with_suffix(".slim").replace(path)
-        else:
-            path.with_suffix(".slim").unlink()
-
-
 def main(names: list[str]) -> None:
     """Draw those named, or all."""
     others = (near_horizon, likelihood_regions, dataset_examples)
@@ -184,7 +171,7 @@ def main(names: list[str]) -> None:
                 video(Path(folder))
                 continue
             shutil.copy(pictures[name](Path(folder)), IMAGES / f"{name}.png")
-            slim(IMAGES / f"{name}.png")
+            renew(IMAGES / f"{name}.png")
     for picture in sorted(IMAGES.glob("*.png")):
         print(f"{picture.relative_to(ROOT)}  {picture.stat().st_size / 1e3:.0f} kB")
 

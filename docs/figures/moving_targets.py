@@ -21,6 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
+from pictures import save
 from seaglint.base.brightness import scale_limits
 from seaglint.base.schema import VARIABLES
 from seaglint.scenario.load import parse_scenario
@@ -186,7 +187,7 @@ def main() -> None:
     if frames:
         table(frames)
     else:
-        picture().savefig(OUTPUT, dpi=110, metadata={"Software": None})
+        save(picture(), OUTPUT)
 
 
 if __name__ == "__main__":

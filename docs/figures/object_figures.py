@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from pictures import save
 from seaglint.base.brightness import scale_limits
 from seaglint.base.schema import VARIABLES
 from seaglint.scenario.load import load_scenario, parse_scenario
@@ -130,7 +131,7 @@ def main(names: list[str]) -> None:
         sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(PICTURES)}")
     for name in names or PICTURES:
         path = IMAGES / f"{name}.png"
-        PICTURES[name]().savefig(path, dpi=110, metadata={"Software": None})
+        save(PICTURES[name](), path)
         print(path.relative_to(ROOT))
 
 

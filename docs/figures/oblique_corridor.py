@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from pictures import save
 from seaglint.base.conventions import FloatArray
 from seaglint.base.schema import VARIABLES
 from seaglint.imaging.camera.imager import Camera
@@ -78,7 +79,7 @@ def main() -> None:
     parser.add_argument("--seas", type=int, default=60, help="independent seas")
     options = parser.parse_args()
     path = options.folder / "oblique_corridor.png"
-    picture(options.seas).savefig(path, dpi=110, metadata={"Software": None})
+    save(picture(options.seas), path)
     print(path)
 
 

@@ -19,6 +19,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 import seaglint as sg
+from pictures import save
 from seaglint.base.conventions import FloatArray
 from seaglint.formats.tables.input_tables import Cases
 from seaglint.optics.band import ApparentTemperature
@@ -35,11 +36,6 @@ SUNS = (30.0, 60.0, 76.0, 85.0)
 LINES = {"path from 30 m to the sea, 1° down": ("path", 30.0, -1.0), "sky 2° up": ("sky", 0.0, 2.0), "sky 10° up": ("sky", 0.0, 10.0)}
 SEAS = 12
 DEPRESSION = 5.0
-
-
-def drawn(figure: Figure, name: str, dpi: int = 90) -> None:
-    """Write a picture."""
-    figure.savefig(IMAGES / name, dpi=dpi, metadata={"Software": None})
 
 
 def shares(line: tuple[str, float, float], azimuth: FloatArray) -> FloatArray:
@@ -88,7 +84,7 @@ def share() -> None:
             print(f"  {band.label} µm, Suns at {SUNS}, 0, 30, 90, 180 deg aside: {values}")
     grid[0, 0].legend(fontsize=8, loc="lower left")
     figure.supxlabel("azimuth from the Sun [deg]", fontsize=10)
-    drawn(figure, "scattered_share.png")
+    save(figure, IMAGES / "scattered_share.png", dpi=90)
 
 
 def panorama(lit: bool) -> Scenario:
@@ -146,7 +142,7 @@ def profile() -> None:
     lower.plot(column, seen_lit - seen_dark, "k.", ms=3, label="images")
     lower.set(ylim=(0.0, None), xlim=(-60.0, 60.0), xlabel="azimuth from the Sun [deg]", ylabel="scattered sunlight [W m$^{-2}$ sr$^{-1}$]")
     lower.legend(fontsize=8)
-    drawn(figure, "aureole_profile.png")
+    save(figure, IMAGES / "aureole_profile.png", dpi=90)
     at = [int(np.argmin(np.abs(azimuth - a))) for a in (0.0, 10.0, 20.0, 30.0, 60.0)]
     print(f"{DEPRESSION:g} deg down at {azimuth[at]}: without {dark[at]}, glint {glint[at]}, added {(lit - dark)[at]}")
     ratio = (seen_lit - seen_dark) / np.interp(column, azimuth, lit - dark)
@@ -178,7 +174,7 @@ def difference() -> None:
         format="{x:g}",
         label="radiance, with less without [W m$^{-2}$ sr$^{-1}$]",
     )
-    drawn(figure, "scattered_difference.png", dpi=72)
+    save(figure, IMAGES / "scattered_difference.png", dpi=72)
     sky = elevation > 0.0
     corridor = (elevation < -0.3)[:, None] & (np.abs(aside) < 1.0)[None, :]
     beside = (elevation < -0.3)[:, None] & (np.abs(aside) > 7.0)[None, :]

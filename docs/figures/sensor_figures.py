@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from pictures import renew, save
 from seaglint.plot.sensor_and_spectra import write_sensor_plot
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.mean.sensor_figures import describe_sensor
@@ -75,7 +76,7 @@ def main() -> None:
     drawn = shown(both[0], fine, f"radiance at the aperture, drawn {n} times finer than the pixels", low, high, seen, directions)
     shown(both[1], counts, "counts of the detector, as radiance", low, high, seen, directions)
     scaled(figure, drawn, both)
-    figure.savefig(IMAGES / "sensor_sea.png", dpi=110)
+    save(figure, IMAGES / "sensor_sea.png")
 
     size, warm = 24, float(model.photons.radiance(300.0))
     point = np.full((size * n, size * n), warm, np.float32)
@@ -93,8 +94,9 @@ def main() -> None:
         shown(axes[line, 0], picture, f"{name} at the aperture", warm, top, square, milliradians)
         shown(axes[line, 1], seen_by, "after optics and detector", warm, top, square, milliradians)
         scaled(figure, shown(axes[line, 2], counts, "counts, as radiance", warm, top, square, milliradians), axes[line])
-    figure.savefig(IMAGES / "sensor_point_edge.png", dpi=110)
+    save(figure, IMAGES / "sensor_point_edge.png")
     write_sensor_plot(describe_sensor(scenario).sheet, IMAGES / "sensor_mtf.png")
+    renew(IMAGES / "sensor_mtf.png")
     draw_lenses()
 
 
@@ -121,7 +123,7 @@ def draw_lenses() -> None:
         low, high = (0.0, 12.0)
         drawn = shown(axes, seen, title, low, high, (0, columns, rows, 0), ("column", "row"))
         scaled(figure, drawn, axes)
-    figure.savefig(IMAGES / "sensor_lens.png", dpi=90)
+    save(figure, IMAGES / "sensor_lens.png", dpi=90)
 
 
 if __name__ == "__main__":

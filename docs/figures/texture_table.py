@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pictures import save
 from seaglint.analysis.recording import Recording
 from seaglint.formats.recording import open_recording
 from seaglint.plot.texture_report import draw_measures, draw_pictures
@@ -129,8 +130,8 @@ def main() -> None:
     if "--print" in sys.argv[1:]:
         return
     write_table("textures", lines)
-    draw_pictures(shown.comparison, shown.data, shown.sample).savefig(IMAGES / "texture_pictures.png", dpi=80, metadata={"Software": None})
-    draw_measures(shown.comparison, shown.gaussian).savefig(IMAGES / "texture_measures.png", dpi=80, metadata={"Software": None})
+    save(draw_pictures(shown.comparison, shown.data, shown.sample), IMAGES / "texture_pictures.png", dpi=80)
+    save(draw_measures(shown.comparison, shown.gaussian), IMAGES / "texture_measures.png", dpi=80)
     assert np.isfinite(shown.sample).all()
 
 

@@ -19,6 +19,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from pictures import save
+
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tools"))
 from data_folders import data_folder
 
@@ -303,7 +305,7 @@ def main(names: list[str]) -> int:
             print(f"{name}: drawn from the file as it is, no reference tables are beside the repository")
             old += 1
         path = IMAGES / f"{name}.png"
-        PICTURES[name]().savefig(path, dpi=90, metadata={"Software": None})
+        save(PICTURES[name](), path, dpi=90)
         print(f"{path.relative_to(ROOT)}  {path.stat().st_size / 1e3:.0f} kB")
     return old
 
