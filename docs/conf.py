@@ -35,6 +35,7 @@ exclude_patterns = ["_build"]
 html_theme = "furo"
 html_title = f"seaglint {release}"
 html_copy_source = False
+html_use_index = html_domain_indices = False  # the lists of the reference and the search are better doors
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_js_files = [("site.js", {"defer": "defer"})]
@@ -61,6 +62,7 @@ autosummary_generate = False  # numpydoc brings it; reference.py writes the page
 autodoc_typehints = "none"  # numpydoc's Parameters sections name types, units and shapes
 autodoc_use_type_comments = False  # parses every function anew; there are none
 autodoc_member_order = "bysource"
+python_maximum_signature_line_length = 88  # longer ones have a line for each parameter
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = True
 numpydoc_xref_ignore = "all"  # words of a type that are no names

@@ -107,7 +107,8 @@ def standardise(
 
     Examples
     --------
-    >>> standardise(np.array([[0.0, 0.0, 0.0, 4.0]]))[0, 0].astype(float).round(3).tolist()
+    >>> image = np.array([[0.0, 0.0, 0.0, 4.0]])
+    >>> standardise(image)[0, 0].astype(float).round(3).tolist()
     [-0.577, -0.577, -0.577, 1.732]
     """
     frames = as_frames(filtered)

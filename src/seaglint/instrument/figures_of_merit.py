@@ -97,7 +97,9 @@ def blur_px(model: SensorModel) -> float:
     >>> from seaglint.instrument.optics import SensorOptics
     >>> from seaglint.instrument.detector import PhotonPixels
     >>> from seaglint.instrument.photons import Photons
-    >>> shaken = SensorModel(Photons(Band.rectangular(3.5, 5.0)), SensorOptics(0.2, 0.1, jitter=1.8e-4), PhotonPixels(15e-6))
+    >>> photons = Photons(Band.rectangular(3.5, 5.0))
+    >>> optics = SensorOptics(0.2, 0.1, jitter=1.8e-4)
+    >>> shaken = SensorModel(photons, optics, PhotonPixels(15e-6))
     >>> round(blur_px(shaken), 2)  # 1.2 of jitter, and some diffraction
     1.23
     """

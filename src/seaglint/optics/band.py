@@ -144,7 +144,8 @@ class Band:
         """Band radiance of a blackbody on the quadrature of a grid [W m-2 sr-1, shape of ``temperature``].
 
         >>> grid = np.arange(1995.0, 3340.0, 5.0)
-        >>> round(ARTICLE_UNIT * float(Band.rectangular(3.0, 5.0).radiance(292.4, grid)), 1)
+        >>> radiance = float(Band.rectangular(3.0, 5.0).radiance(292.4, grid))
+        >>> round(ARTICLE_UNIT * radiance, 1)
         140.7
         """
         t = np.asarray(temperature, dtype=np.float64)

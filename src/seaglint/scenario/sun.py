@@ -73,9 +73,9 @@ def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
     return SunPosition(math.radians(float(angles["apparent_zenith"].iloc[0])), math.radians(float(angles["azimuth"].iloc[0])), distance)
 
 
-_YEAR: Final = 2026  #: Year of the dates that :func:`dated_sun` chooses.
+_YEAR: Final = 2026  #: Year of the dates that ``dated_sun`` chooses.
 
-#: Latitude and longitude [deg] that :func:`dated_sun` prefers: in the Atlantic, whose meridian is sea from 60 degrees north to 70 south.
+#: Latitude and longitude [deg] that ``dated_sun`` prefers: in the Atlantic, whose meridian is sea from 60 degrees north to 70 south.
 _OPEN_SEA: Final = (36.8, -30.0)
 
 # Weights of a degree: a Sun that is elsewhere is worse than any place; the longitude only selects between places of about one latitude.
@@ -83,7 +83,7 @@ _WEIGHT_OF_SUN, _WEIGHT_OF_LONGITUDE = 1e3, 0.1
 
 
 def dated_sun(zenith: float, azimuth: float) -> tuple[datetime, float, float]:
-    """Return a date, to the minute in UTC, with latitude and longitude [deg] at which :func:`sun_position` is nearest to a direction.
+    """Return a date, to the minute in UTC, with latitude and longitude [deg] at which ``sun_position`` is nearest to a direction.
 
     A pole at latitude ``phi`` is ``90 - phi`` degrees from the zenith, so that the Sun's declination ``delta`` satisfies
     ``sin delta = cos z sin phi + sin z cos a cos phi``; the Sun's hour angle then gives the longitude. Of the hours of a year, and then of
@@ -99,7 +99,7 @@ def dated_sun(zenith: float, azimuth: float) -> tuple[datetime, float, float]:
     Notes
     -----
     Every direction is reached within 0.01 degree, except for zenith angles between 90.22 and 90.83 degrees: the refraction of
-    :func:`sun_position` is zero where the Sun is entirely below the horizon, so that its centre is never seen there.
+    ``sun_position`` is zero where the Sun is entirely below the horizon, so that its centre is never seen there.
 
     Examples
     --------

@@ -304,7 +304,8 @@ def fit(
     >>> from seaglint.textures.autobinomial_sampler import sample
     >>> known = Autobinomial.of(4, 1, -1.2, (0.2,))
     >>> result = fit(sample(known, (64, 64), 50, seed=1), 4, periodic=True, check=False)
-    >>> bool((abs(result.parameters - known.parameters) < 3.0 * result.standard_errors).all())
+    >>> errors = abs(result.parameters - known.parameters)
+    >>> bool((errors < 3.0 * result.standard_errors).all())
     True
     """
     if method not in get_args(Method):

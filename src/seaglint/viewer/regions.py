@@ -137,7 +137,7 @@ def to_csv(regions: Iterable[PictureRegion]) -> str:
 
 
 def of_csv(text: str) -> list[PictureRegion]:
-    """Return the regions of a CSV file that :func:`to_csv` wrote.
+    """Return the regions of a CSV file that ``to_csv`` wrote.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Requests of the page of sequences: its script, pictures, probes, traces, regions, analyses and downloads.
 
 Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path. Long computations are
-:class:`~seaglint.viewer.jobs.PageJob`.
+``seaglint.viewer.jobs.PageJob``.
 """
 
 from __future__ import annotations

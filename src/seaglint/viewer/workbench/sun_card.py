@@ -113,7 +113,7 @@ def day_svg(day: Day, minutes: float) -> str:
 
 
 def dated(scenario: Scenario) -> tuple[Scenario, str]:
-    """Return a scenario whose Sun comes from a date and a place (:func:`~seaglint.scenario.sun.dated_sun`), and a line on what differs."""
+    """Return a scenario whose Sun comes from a date and a place (``seaglint.scenario.sun.dated_sun``), and a line on what differs."""
     given = sun_position(scenario)
     moment, latitude, longitude = dated_sun(given.zenith, given.azimuth)
     place = Place(latitude_deg=latitude, longitude_deg=longitude)
