@@ -22,6 +22,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.intersphinx",
     "keywords",
+    "leftovers",
     "mathml",
     "numpydoc_once",
     "sphinx_design",

@@ -29,8 +29,12 @@ PHYSICS = [
 ]
 
 ROLE = re.compile(r":(?:func|data|meth|mod|class|attr|obj|exc):`(?:[^`<]*<)?~?([\w.]+)>?`")
-EQUATION = re.compile(r":math:|\.\. math|[^=]=[^=]|::$|\bet al\b|\b(?:18|19|20)\d\d[a-z]?\b|References", re.MULTILINE)
-"""An equation, or a source by its year."""
+EQUATION = re.compile(r":math:|\.\. math::|\S = \S")
+SOURCE_OF = re.compile(
+    r"\b[A-Z][\w'-]+(?:,? (?:and|et|al\.|\d+|[A-Z][\w.'-]*))*,? \(?(?:18|19|20)\d\d\b|\bEqs?\. [\dA-Z]|^References$", re.MULTILINE
+)
+"""A source: a name with a year, an equation by its number, or a list of references."""
+EXAMPLES = re.compile(r"^\s*Examples\n\s*-+\n.*", re.MULTILINE | re.DOTALL)
 
 
 def extension(name: str) -> ModuleType:
@@ -68,8 +72,25 @@ def test_there_are_few_pages() -> None:
 
 @pytest.mark.parametrize(("module", "name"), PHYSICS, ids=lambda part: part)
 def test_physics_states_an_equation_or_a_source(module: str, name: str) -> None:
-    text = f"{importlib.import_module(module).__doc__}\n{reference.docstring_in(module, name)}"
-    assert EQUATION.search(text), "give the equation or the source in the docstring, or leave the name out of docs/api/public.toml"
+    texts = [EXAMPLES.sub("", text or "") for text in (importlib.import_module(module).__doc__, reference.docstring_in(module, name))]
+    assert any(form.search(text) for form in (EQUATION, SOURCE_OF) for text in texts), (
+        "give the equation or the source in the docstring, or leave the name out of docs/api/public.toml"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "known"),
+    [
+        ("Return a gain.\n\n    g = n / f\n", True),
+        ("Return the gain ``g = n / f``.", True),
+        ("Return the slope of Cox and Munk 1954.", True),
+        ("Return the number 5 (Eq. 37).", True),
+        ("Return the mean with overwrite=False, as of False in 2024.", False),
+        ("Return the reach.\n\nExamples\n--------\n>>> a = reach(2)\n", False),
+    ],
+)
+def test_equations_and_sources_are_recognised(text: str, known: bool) -> None:
+    assert any(form.search(EXAMPLES.sub("", text)) for form in (EQUATION, SOURCE_OF)) == known
 
 
 @pytest.mark.parametrize("name", reference.public()["functions"])

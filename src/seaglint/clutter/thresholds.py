@@ -157,7 +157,7 @@ def _local(frames: Frames, mask: NDArray[np.bool_] | None, window: int) -> Frame
 
 
 def gaussian_rate(threshold_sigma: ArrayLike) -> NDArray[np.float64]:
-    """One-sided Gaussian tail Q(m) = erfc(m / sqrt 2) / 2 [1].
+    """One-sided Gaussian tail ``Q(m) = erfc(m / sqrt 2) / 2`` [1].
 
     Examples
     --------

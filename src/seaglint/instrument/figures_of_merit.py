@@ -211,6 +211,11 @@ def figures(
         Movement of the line of sight by the platform [rad s-1].
     frequencies : sequence of float
         Frequencies of the MTF [cycles rad-1]; by default from 0 to twice the Nyquist frequency.
+
+    Returns
+    -------
+    SensorDataSheet
+        The figures, each with its unit.
     """
     line, detector, optics, photons = model.readout, model.detector, model.optics, model.photons
     photon = isinstance(detector, PhotonPixels)
@@ -301,6 +306,11 @@ def netd(model: SensorModel, temperature: float) -> float:
         The sensor.
     temperature : float
         Temperature of the blackbody [K].
+
+    Returns
+    -------
+    float
+        NETD [K].
     """
     return budget(model, float(model.photons.radiance(temperature))).total / signal_slope(model, temperature)
 
@@ -320,6 +330,11 @@ def read_noise_for(model: SensorModel, stated: float, temperature: float) -> flo
         Stated NETD [K].
     temperature : float
         Temperature of the blackbody for which it is stated [K].
+
+    Returns
+    -------
+    float
+        Read noise [electrons].
 
     Raises
     ------
@@ -352,6 +367,11 @@ def integration_time_for(model: SensorModel, stated: float, temperature: float, 
         Temperature of the blackbody for which it is stated [K].
     longest : float
         Longest integration time that a frame allows [s].
+
+    Returns
+    -------
+    float
+        Integration time [s].
 
     Raises
     ------

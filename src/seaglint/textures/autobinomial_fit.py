@@ -87,6 +87,11 @@ def maximum_likelihood(
         picture's mean products of neighbours. alpha is unchanged. Without periods the products inside the picture are scaled to the number
         of pairs of a torus.
 
+    Returns
+    -------
+    Optimum
+        Parameters at the maximum with their covariance.
+
     References
     ----------
     C. J. Geyer and E. A. Thompson, "Constrained Monte Carlo maximum likelihood for dependent data", J. R. Stat. Soc. B 54 (1992), 657-699.
@@ -258,6 +263,8 @@ def fit(
     check: bool = True,
 ) -> AutobinomialFit:
     """Fit the field to a picture.
+
+    The maximum of the log pseudo-likelihood ``sum_s log P[x(s) | neighbours]`` (Besag 1975), or from there of a likelihood.
 
     Parameters
     ----------

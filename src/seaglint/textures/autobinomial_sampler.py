@@ -262,6 +262,9 @@ def sample(
 ) -> NDArray[np.int16]:
     """Sample a picture by Gibbs sweeps: every pixel from its conditional distribution, colour by colour.
 
+    ``x(s)`` is binomial of ``levels - 1`` trials with the chance ``1 / (1 + exp(-alpha - sum_k beta_k n_k(s)))``, n_k the sum of the
+    neighbours of class k (Cross and Jain 1983).
+
     Parameters
     ----------
     model : Autobinomial
@@ -385,6 +388,11 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
         Seed of the chains; each has its own stream.
     chains, warm, draws : int
         Chains, sweeps left out of each, and sweeps of which each is a draw.
+
+    Returns
+    -------
+    Mixing
+        Effective sample size, R-hat and traces of the chains.
 
     References
     ----------

@@ -219,6 +219,11 @@ def log_likelihood(model: GaussMarkov, field: ArrayLike) -> float:
     field : array_like, shape (rows, columns) or (frames, rows, columns)
         Periodic along every axis [u]; for pictures cut from a larger sea see :mod:`seaglint.textures.gauss_markov_fit`.
 
+    Returns
+    -------
+    float
+        Log likelihood [nat].
+
     Raises
     ------
     DataError, DomainError

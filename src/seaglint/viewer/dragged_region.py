@@ -110,12 +110,18 @@ def exceedances(
 
     Parameters
     ----------
+    source : ViewerSource
+        Recording that is shown.
+    index : int
+        Number of the frame.
     sigma : float
         Threshold above the mean [standard deviations of the filtered frame in the region].
     filter_name : str
         One of ``seaglint.clutter.filters.NAMES``, or ``"none"``.
-    where : Rectangle, optional
-        PictureRegion; the whole frame by default.
+    layer : str, optional
+        Layer of the recording; the first by default.
+    where : PictureRegion, optional
+        Part of the frame; the whole frame by default.
 
     Raises
     ------
