@@ -69,8 +69,8 @@ numpydoc_xref_param_type = True
 numpydoc_xref_ignore = "all"  # words of a type that are no names
 numpydoc_xref_aliases = {
     **reference.class_names(),
-    **{name: f":obj:`{name}`" for name in ("bool", "bytes", "complex", "dict", "float", "int", "list", "None", "range", "str", "tuple")},
-    **{name: f":obj:`{name}`" for name in ("numpy.random.Generator", "xarray.DataArray", "xarray.Dataset")},
+    **{name: f":obj:`{name}`" for name in ("bool", "dict", "float", "int", "list", "None", "range", "str", "tuple")},
+    **{name: f":obj:`{name}`" for name in ("xarray.DataArray", "xarray.Dataset")},
     **{name.rpartition(".")[2]: name for name in ("collections.abc.Callable", "collections.abc.Iterator", "pathlib.Path")},
     **{name.rpartition(".")[2].lower(): name for name in ("collections.abc.Mapping", "collections.abc.Sequence", "pathlib.Path")},
     **{name.rpartition(".")[2]: name for name in ("numpy.ndarray", "datetime.datetime")},

@@ -177,6 +177,17 @@ def test_inventories_hold_the_names_that_are_listed() -> None:
         assert inventories.places_in(file) == places, "run python tools/inventories.py"
 
 
+@pytest.mark.parametrize(("name", "known"), [("collections.abc.Mapping", True), ("collections.abc.Unheard", False)])
+def test_a_name_that_is_not_known_stops_the_build(tmp_path: Path, name: str, known: bool) -> None:
+    build = pytest.importorskip("sphinx.cmd.build").build_main
+    mapping = {project: ("https://example.org", str(inventories.FOLDER / f"{project}.inv")) for project in inventories.NAMES}
+    settings = f"extensions = ['sphinx.ext.intersphinx']\nnitpicky = True\nintersphinx_mapping = {mapping}\n"
+    (tmp_path / "conf.py").write_text(settings, encoding="utf-8")
+    (tmp_path / "index.rst").write_text(f"Page\n====\n\n:py:class:`{name}`\n", encoding="utf-8")
+    assert "nitpicky = True" in (DOCS / "conf.py").read_text(encoding="utf-8")
+    assert (build(["-q", "-W", "--keep-going", "-b", "html", str(tmp_path), str(tmp_path / "out")]) == 0) == known
+
+
 def test_a_name_of_the_package_leads_to_what_users_write() -> None:
     assert reference.target_of("seaglint.api.export") == reference.target_of("seaglint.export") == "sg.export"
     assert reference.target_of("seaglint.api.texture_models.fit") == "sg.texture.fit"

@@ -270,7 +270,7 @@ def indented(lines: list[str]) -> list[str]:
 
 def scenario_page(module: str, title: str) -> str:
     """Return the page of the records of a module of the scenario, with a table of the keys of each."""
-    from page_tables import allowed, resolve
+    from page_tables import allowed, branches, resolve
 
     place = f"seaglint.scenario.{module}"
     lines = [*headed(title, "="), *documented("module", place)]
@@ -281,7 +281,8 @@ def scenario_page(module: str, title: str) -> str:
         for key, raw in root.get("properties", {}).items():
             value = resolve(raw, root)
             default = "" if value.get("default") is None or isinstance(value["default"], dict) else f"``{json.dumps(value['default'])}``"
-            about = text_of(value.get("description", "")) or ("selects this model" if key == "kind" else "")
+            text = value.get("description") or "; ".join(part.get("description", "") for part in branches(value, root))
+            about = "selects this model" if key == "kind" and not text else text_of(text)
             rows.append((f"``{key}``", allowed(value, root).replace("`", "``"), default, about))
         lines += [
             *headed(name, "-"),

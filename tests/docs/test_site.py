@@ -15,6 +15,7 @@ from urllib.parse import quote, unquote, urlsplit
 
 import pytest
 
+import inventories
 import seaglint
 from check_site import faults, site_files
 
@@ -200,7 +201,7 @@ def test_a_style_that_loads_from_elsewhere_is_found(tmp_path: Path) -> None:
 # the built site
 
 
-def pages() -> list[Path]:
+def pages_of_site() -> list[Path]:
     """Pages of the built site."""
     return [path for path in site_files(SITE) if path.suffix == ".html"]
 
@@ -220,6 +221,13 @@ def test_each_public_name_is_on_one_page_of_the_reference() -> None:
     groups = {name: getattr(getattr(seaglint, name), "__all__", None) for name in seaglint.__all__ if name != "__version__"}
     assert headings == Counter(f"sg.{name}" for name in groups)
     assert places == Counter(f"sg.{name}.{each}" if each else f"sg.{name}" for name, inner in groups.items() for each in inner or [""])
+
+
+@pytest.mark.validation
+@pytest.mark.skipif(not BUILT.exists(), reason="the site is not built; ./run docs builds it")
+def test_each_name_of_the_inventories_is_used() -> None:
+    pages = "".join(path.read_text(encoding="utf-8") for path in pages_of_site())
+    assert [name for places in inventories.NAMES.values() for name, place in places.items() if f'/{place}"' not in pages] == []
 
 
 @pytest.fixture(scope="module")
@@ -282,7 +290,7 @@ def test_no_page_overflows_or_asks_the_network(chromium, width: int) -> None:
     page.on("request", lambda request: requests.append(request.url))
     page.on("pageerror", lambda error: errors.append(str(error)))
     wide = []
-    for path in pages():
+    for path in pages_of_site():
         page.goto(path.as_uri(), wait_until="load")
         if page.evaluate("document.documentElement.scrollWidth") > width:
             wide.append(path.relative_to(SITE).as_posix())
