@@ -180,7 +180,7 @@ def test_inventories_hold_the_names_that_are_listed() -> None:
 @pytest.mark.parametrize(("name", "known"), [("collections.abc.Mapping", True), ("collections.abc.Unheard", False)])
 def test_a_name_that_is_not_known_stops_the_build(tmp_path: Path, name: str, known: bool) -> None:
     build = pytest.importorskip("sphinx.cmd.build").build_main
-    mapping = {project: ("https://example.org", str(inventories.FOLDER / f"{project}.inv")) for project in inventories.NAMES}
+    mapping = {project: (f"https://example.org/{project}", str(inventories.FOLDER / f"{project}.inv")) for project in inventories.NAMES}
     settings = f"extensions = ['sphinx.ext.intersphinx']\nnitpicky = True\nintersphinx_mapping = {mapping}\n"
     (tmp_path / "conf.py").write_text(settings, encoding="utf-8")
     (tmp_path / "index.rst").write_text(f"Page\n====\n\n:py:class:`{name}`\n", encoding="utf-8")

@@ -159,7 +159,8 @@ def headed(title: str, line: str) -> list[str]:
 
 
 def documented(kind: str, name: str, *options: str) -> list[str]:
-    """Return the directive that shows a docstring."""
+    """Return the directive that shows a docstring; the search knows names as objects, and entries of an index would add half to it."""
+    options = options if kind == "module" else (":no-index-entry:", *options)
     return [f".. auto{kind}:: {name}", *(f"   {option}" for option in options), ""]
 
 
@@ -251,7 +252,15 @@ def request_page(group: dict[str, Any]) -> str:
                 if field.name in texts
             ]
             own = [row for row in rows if row[0].strip("`") in record.__annotations__]
-            lines += [*headed(name, "-"), f".. py:class:: {name}", f"   :module: {module}", "", *indented(first_lines(record)), ""]
+            lines += [
+                *headed(name, "-"),
+                f".. py:class:: {name}",
+                f"   :module: {module}",
+                "   :no-index-entry:",
+                "",
+                *indented(first_lines(record)),
+                "",
+            ]
             above = [f":class:`~{base.__module__}.{base.__name__}`" for base in record.__bases__ if base is not object]
             lines += indented(["Also the parameters of " + " and ".join(above) + ".", ""]) if above else []
             lines += indented(cells(("parameter", "default", "meaning"), own, "25 15 60")) if own else []
@@ -288,6 +297,7 @@ def scenario_page(module: str, title: str) -> str:
             *headed(name, "-"),
             f".. py:class:: {name}",
             f"   :module: {place}",
+            "   :no-index-entry:",
             "",
             *indented(inspect.getdoc(record).splitlines()),
             "",
