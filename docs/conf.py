@@ -24,6 +24,7 @@ extensions = [
     "cards",
     "dark_pages",
     "keywords",
+    "leftovers",
     "makers",
     "mathml",
     "numpydoc_once",
@@ -37,7 +38,7 @@ exclude_patterns = ["_build"]
 html_theme = "furo"
 html_title = f"seaglint {release}"
 html_copy_source = False
-html_domain_indices = False  # the reference lists its pages
+html_use_index = html_domain_indices = False  # the lists of the reference and the search are better doors
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_js_files = [("site.js", {"defer": "defer"})]
@@ -64,13 +65,14 @@ autosummary_generate = False  # numpydoc brings it; reference.py writes the page
 autodoc_typehints = "none"  # numpydoc's Parameters sections name types, units and shapes
 autodoc_use_type_comments = False  # parses every function anew; there are none
 autodoc_member_order = "bysource"
+python_maximum_signature_line_length = 88  # longer ones have a line for each parameter
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = True
 numpydoc_xref_ignore = "all"  # words of a type that are no names
 numpydoc_xref_aliases = {
     **reference.class_names(),
-    **{name: f":obj:`{name}`" for name in ("bool", "bytes", "complex", "dict", "float", "int", "list", "None", "range", "str", "tuple")},
-    **{name: f":obj:`{name}`" for name in ("numpy.random.Generator", "xarray.DataArray", "xarray.Dataset")},
+    **{name: f":obj:`{name}`" for name in ("bool", "dict", "float", "int", "list", "None", "range", "str", "tuple")},
+    **{name: f":obj:`{name}`" for name in ("xarray.DataArray", "xarray.Dataset")},
     **{name.rpartition(".")[2]: name for name in ("collections.abc.Callable", "collections.abc.Iterator", "pathlib.Path")},
     **{name.rpartition(".")[2].lower(): name for name in ("collections.abc.Mapping", "collections.abc.Sequence", "pathlib.Path")},
     **{name.rpartition(".")[2]: name for name in ("numpy.ndarray", "datetime.datetime")},

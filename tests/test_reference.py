@@ -29,8 +29,12 @@ PHYSICS = [
 ]
 
 ROLE = re.compile(r":(?:func|data|meth|mod|class|attr|obj|exc):`(?:[^`<]*<)?~?([\w.]+)>?`")
-EQUATION = re.compile(r":math:|\.\. math|[^=]=[^=]|::$|\bet al\b|\b(?:18|19|20)\d\d[a-z]?\b|References", re.MULTILINE)
-"""An equation, or a source by its year."""
+EQUATION = re.compile(r":math:|\.\. math::|\S = \S")
+SOURCE_OF = re.compile(
+    r"\b[A-Z][\w'-]+(?:,? (?:and|et|al\.|\d+|[A-Z][\w.'-]*))*,? \(?(?:18|19|20)\d\d\b|\bEqs?\. [\dA-Z]|^References$", re.MULTILINE
+)
+"""A source: a name with a year, an equation by its number, or a list of references."""
+EXAMPLES = re.compile(r"^\s*Examples\n\s*-+\n.*", re.MULTILINE | re.DOTALL)
 
 
 def extension(name: str) -> ModuleType:
@@ -59,8 +63,7 @@ def test_each_function_of_a_group_is_shown_once() -> None:
 
 
 def test_each_page_is_in_a_list_of_pages() -> None:
-    patterns = re.findall(r"^generated/(\S+)\*$", INDEX, re.MULTILINE)
-    assert [sum(name.startswith(pattern) for pattern in patterns) for name in TEXTS] == [1] * len(TEXTS)
+    assert re.findall(r"^generated/(\S+)$", INDEX, re.MULTILINE) == list(TEXTS)
 
 
 def test_there_are_few_pages() -> None:
@@ -69,8 +72,25 @@ def test_there_are_few_pages() -> None:
 
 @pytest.mark.parametrize(("module", "name"), PHYSICS, ids=lambda part: part)
 def test_physics_states_an_equation_or_a_source(module: str, name: str) -> None:
-    text = f"{importlib.import_module(module).__doc__}\n{reference.docstring_in(module, name)}"
-    assert EQUATION.search(text), "give the equation or the source in the docstring, or leave the name out of docs/api/public.toml"
+    texts = [EXAMPLES.sub("", text or "") for text in (importlib.import_module(module).__doc__, reference.docstring_in(module, name))]
+    assert any(form.search(text) for form in (EQUATION, SOURCE_OF) for text in texts), (
+        "give the equation or the source in the docstring, or leave the name out of docs/api/public.toml"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "known"),
+    [
+        ("Return a gain.\n\n    g = n / f\n", True),
+        ("Return the gain ``g = n / f``.", True),
+        ("Return the slope of Cox and Munk 1954.", True),
+        ("Return the number 5 (Eq. 37).", True),
+        ("Return the mean with overwrite=False, as of False in 2024.", False),
+        ("Return the reach.\n\nExamples\n--------\n>>> a = reach(2)\n", False),
+    ],
+)
+def test_equations_and_sources_are_recognised(text: str, known: bool) -> None:
+    assert any(form.search(EXAMPLES.sub("", text)) for form in (EQUATION, SOURCE_OF)) == known
 
 
 @pytest.mark.parametrize("name", reference.public()["functions"])
@@ -81,11 +101,49 @@ def test_pictures_and_guides_exist(name: str) -> None:
     assert "picture" not in shown or (DOCS / "images" / shown["picture"]).is_file()
 
 
-@pytest.mark.parametrize(("group", "name"), [(group, name) for group, inner in reference.functions().items() for name in inner or [""]])
-def test_a_function_has_parameters_results_errors_and_an_example(group: str, name: str) -> None:
-    text = reference.docstring_of(f"sg.{group}.{name}" if name else f"sg.{group}")
-    assert ">>> " in text
+FUNCTIONS = [f"sg.{group}.{name}" if name else f"sg.{group}" for group, inner in reference.functions().items() for name in inner or [""]]
+UNTESTED = {
+    "sg.atmosphere.read": "needs MODTRAN's files",
+    "sg.reproduce.fig5": "takes a minute",
+    "sg.reproduce.fig10": "takes minutes",
+    "sg.reproduce.table1": "takes minutes",
+}
+"""Functions whose example no test runs; test_architecture.py runs the others."""
+WIDEST = 88
+"""Columns of a line of an example that a page of 1280 pixels shows."""
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_function_has_parameters_results_errors_and_an_example(name: str) -> None:
+    text = reference.docstring_of(name)
+    called = re.escape(reference.full_name(name))
+    assert re.search(rf"^(>>>|\.\.\.) .*\b{called}\(", text, re.MULTILINE), "the example calls the function"
+    assert ("doctest: +SKIP" in text) == (name in UNTESTED)
     assert "Returns\n-------" in text
+    given = set(
+        re.findall(r"^(\S+|\{request\})(?: :.*)?$", text.partition("Parameters\n----------\n")[2].partition("Returns\n")[0], re.MULTILINE)
+    )
+    assert "Raises\n------" in text or given <= {"progress"}
+
+
+@pytest.mark.parametrize(
+    ("module", "name"), [(module, name) for module, names in reference.shown() for name in names], ids=lambda part: part
+)
+def test_lines_of_examples_are_not_cut(module: str, name: str) -> None:
+    text = (reference.SOURCE.parent / Path(*module.split("."))).with_suffix(".py").read_text(encoding="utf-8")
+    node = next(node for node in ast.parse(text).body if getattr(node, "name", "") == name)
+    docstrings = [ast.get_docstring(part) or "" for part in ast.walk(node) if isinstance(part, ast.ClassDef | ast.FunctionDef)]
+    assert [line for each in docstrings for line in examples_in(each) if len(line) > WIDEST] == []
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_lines_of_examples_of_functions_are_not_cut(name: str) -> None:
+    assert [line for line in examples_in(reference.docstring_of(name)) if len(line) > WIDEST] == []
+
+
+def examples_in(docstring: str) -> list[str]:
+    """Lines of the examples of a docstring."""
+    return re.findall(r"^\s*(?:>>>|\.\.\.).*", docstring, re.MULTILINE)
 
 
 def roles_of(path: Path) -> list[tuple[int, str, list[str]]]:
@@ -117,6 +175,17 @@ def test_inventories_hold_the_names_that_are_listed() -> None:
         file = (inventories.FOLDER / f"{project}.inv").read_bytes()
         assert zlib.decompress(file.split(b"\n", 4)[4])
         assert inventories.places_in(file) == places, "run python tools/inventories.py"
+
+
+@pytest.mark.parametrize(("name", "known"), [("collections.abc.Mapping", True), ("collections.abc.Unheard", False)])
+def test_a_name_that_is_not_known_stops_the_build(tmp_path: Path, name: str, known: bool) -> None:
+    build = pytest.importorskip("sphinx.cmd.build").build_main
+    mapping = {project: (f"https://example.org/{project}", str(inventories.FOLDER / f"{project}.inv")) for project in inventories.NAMES}
+    settings = f"extensions = ['sphinx.ext.intersphinx']\nnitpicky = True\nintersphinx_mapping = {mapping}\n"
+    (tmp_path / "conf.py").write_text(settings, encoding="utf-8")
+    (tmp_path / "index.rst").write_text(f"Page\n====\n\n:py:class:`{name}`\n", encoding="utf-8")
+    assert "nitpicky = True" in (DOCS / "conf.py").read_text(encoding="utf-8")
+    assert (build(["-q", "-W", "--keep-going", "-b", "html", str(tmp_path), str(tmp_path / "out")]) == 0) == known
 
 
 def test_a_name_of_the_package_leads_to_what_users_write() -> None:

@@ -1,7 +1,8 @@
 """Docstrings of the whole package, internals included, as numpydoc and docutils read them: ``./run check`` calls this program.
 
-The reference renders public names only. Here every docstring is parsed: sections in numpydoc's order, parameters that exist, and markup
-without errors. The codes are those of numpydoc's validation; the others ask for sections that the house omits.
+The reference renders public names only. Here every docstring is parsed: known sections in numpydoc's order, parameters that exist, all of
+them where one is described, and markup without errors. The codes are those of numpydoc's validation; the others ask for sections that the
+house omits. A function of physics with a page describes its result where it describes its parameters.
 """
 
 from __future__ import annotations
@@ -11,10 +12,13 @@ import inspect
 import os
 import pkgutil
 import sys
+import warnings
 from collections.abc import Iterator
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+sys.path.append(str(Path(__file__).resolve().parents[1] / "docs" / "_ext"))
 os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels then are plain functions with docstrings
 
 from docutils import nodes, utils
@@ -23,6 +27,7 @@ from docutils.parsers.rst import Directive, Parser, directives, roles
 from numpydoc.docscrape_sphinx import SphinxClassDoc, SphinxFunctionDoc
 from numpydoc.validate import validate
 
+import reference
 import seaglint
 
 CODES = {
@@ -31,6 +36,9 @@ CODES = {
     *("SS01", "SS02", "SS03", "SS04"),  # summaries
 }
 """Codes of numpydoc's validation that are errors here; a description may begin with a symbol or a file's name."""
+
+SHOWN = {f"{module}.{name}" for modules in reference.physics_pages().values() for module, names in modules.items() for name in names}
+"""Functions and classes of physics that the reference shows."""
 
 ROLES = ("func", "data", "meth", "mod", "class", "attr", "obj", "exc")
 
@@ -86,15 +94,28 @@ def rendered(name: str, value: Any) -> str:
     return str(kind(value, config={"show_class_members": False}))
 
 
+def faults_of(name: str, value: Any) -> Iterator[str]:
+    """Yield the errors that numpydoc finds in a docstring."""
+    text = inspect.getdoc(value) or ""
+    described = "Parameters\n----------\n" in text
+    codes = CODES | ({"PR01"} if described else set()) | ({"RT01"} if described and name in SHOWN else set())
+    with warnings.catch_warnings(record=True) as noted:
+        warnings.simplefilter("always")
+        for code, message in validate(name)["errors"]:
+            if code in codes:
+                yield f"{name}: {code} {message}"
+    for warning in noted:
+        if "Unknown section" in str(warning.message):
+            yield f"{name}: {str(warning.message).splitlines()[0]}"
+
+
 def errors_of(module: ModuleType) -> Iterator[str]:
     """Yield the errors in the docstrings of a module."""
     for message in markup_errors(inspect.getdoc(module) or ""):
         yield f"{module.__name__}: {message}"
     for name, value in documented(module):
         if "<locals>" not in name and "._" not in name:
-            for code, message in validate(name)["errors"]:
-                if code in CODES:
-                    yield f"{name}: {code} {message}"
+            yield from faults_of(name, value)
         for message in markup_errors(rendered(name, value)):
             yield f"{name}: {message}"
 

@@ -13,7 +13,7 @@ import re
 from html import escape
 from typing import TYPE_CHECKING
 
-from reference import target_of
+from reference import page_names, target_of
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 INCLUDE = re.compile(r"^<!-- include(?: (?P<language>\w+))? -->\n\[(?P<title>[^\]]*)\]\((?P<path>[^)]*)\)$", re.MULTILINE)
 TOCTREE = re.compile(r"^<!-- toctree -->\n(?P<body>.*?)^<!-- end toctree -->$", re.DOTALL | re.MULTILINE)
 SHELF = re.compile(r"^<!-- end (?P<name>functions|records|physics) -->$", re.MULTILINE)
-SHELVES = {"functions": ("sg.*",), "records": ("records.*", "scenario.*"), "physics": ("physics.*",)}
-"""Generated pages behind the tables of the reference."""
+SHELVES = {"functions": ("sg",), "records": ("records", "scenario"), "physics": ("physics",)}
+"""Kinds of the generated pages behind the tables of the reference."""
 VIDEO = re.compile(r"^<!-- video -->\n\[!\[(?P<words>[^\]]*)\]\((?P<poster>[^)]*)\)\]\((?P<path>[^)]*)\)$", re.MULTILINE)
 PAGE = re.compile(r"\]\(([\w./-]+)\.md\)")
 FENCE = re.compile(r"^(?P<fence>```+|~~~+).*?^(?P=fence)[ ]*$", re.DOTALL | re.MULTILINE)
@@ -57,7 +57,7 @@ def listed(match: re.Match[str]) -> str:
 
 def shelved(match: re.Match[str]) -> str:
     """Return the list of the pages that a table of the reference names."""
-    return directive("toctree", "", [":glob:", ":hidden:"], [f"generated/{pages}" for pages in SHELVES[match["name"]]])
+    return directive("toctree", "", [":hidden:"], [f"generated/{name}" for name in page_names(*SHELVES[match["name"]])])
 
 
 def named(match: re.Match[str]) -> str:

@@ -104,14 +104,22 @@ def class_names() -> dict[str, str]:
     return {name: full for name, full in every if count[name] == 1}
 
 
-def docstring_of(name: str) -> str:
-    """Return the docstring of a function of ``sg`` from its source; ``sg.compare`` is another name of a function."""
+def nodes_of(group: str) -> list[ast.stmt]:
+    """Return the statements of the modules whose functions users find in a group."""
+    return [node for module, place in api_modules().items() if place == group for node in tree_of(module).body]
+
+
+def full_name(name: str) -> str:
+    """Return the name of which a name of ``sg`` is another one, as ``sg.compare`` is; else the name."""
     group, _, function = name.rpartition(".")
-    nodes = [node for module, place in api_modules().items() if place == group for node in tree_of(module).body]
-    for node in nodes:
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == function:
-            return docstring_of(f"{group}.{ast.unparse(node.value)}")
-    return [ast.get_docstring(node) or "" for node in nodes if isinstance(node, ast.FunctionDef) and node.name == function][-1]
+    others = (node for node in nodes_of(group) if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == function)
+    return next((f"{group}.{ast.unparse(node.value)}" for node in others), name)
+
+
+def docstring_of(name: str) -> str:
+    """Return the docstring of a function of ``sg`` from its source."""
+    group, _, function = full_name(name).rpartition(".")
+    return [ast.get_docstring(node) or "" for node in nodes_of(group) if isinstance(node, ast.FunctionDef) and node.name == function][-1]
 
 
 def attributes(module: str, name: str) -> list[str]:
@@ -151,7 +159,8 @@ def headed(title: str, line: str) -> list[str]:
 
 
 def documented(kind: str, name: str, *options: str) -> list[str]:
-    """Return the directive that shows a docstring."""
+    """Return the directive that shows a docstring; the search knows names as objects, and entries of an index would add half to it."""
+    options = options if kind == "module" else (":no-index-entry:", *options)
     return [f".. auto{kind}:: {name}", *(f"   {option}" for option in options), ""]
 
 
@@ -165,12 +174,21 @@ def function_page(name: str, inner: list[str]) -> str:
         for each in full:
             lines += [*headed(each, "-"), *documented("function", each)]
     else:
+        if full_name(f"sg.{name}") != f"sg.{name}":
+            lines += [f"Another name of :py:func:`{full_name(f'sg.{name}')}`.", ""]
         lines += documented("function", f"sg.{name}")
     if "picture" in shown:
-        lines += [f".. figure:: ../../images/{shown['picture']}", f"   :alt: {shown['shows']}", "", f"   {shown['shows']}", ""]
+        caption = shown["shows"] + script_of(shown["picture"])
+        lines += [f".. figure:: ../../images/{shown['picture']}", f"   :alt: {shown['shows']}", "", f"   {caption}", ""]
     if "guides" in shown:
         lines += ["Guides: " + ", ".join(f":doc:`/{guide}`" for guide in shown["guides"]) + ".", ""]
     return "\n".join(lines)
+
+
+def script_of(picture: str) -> str:
+    """Return a link to the script that draws a picture of the gallery; pictures of guides have none."""
+    script = DOCS / "gallery" / f"{Path(picture).stem}.py"
+    return f" The script: :download:`{script.name} <../../gallery/{script.name}>`." if picture.startswith("gallery/") else ""
 
 
 def table(rows: Iterable[tuple[str, str]]) -> list[str]:
@@ -208,7 +226,7 @@ def record_page(group: dict[str, Any]) -> str:
 
 def cells(head: tuple[str, ...], rows: list[tuple[str, ...]], widths: str) -> list[str]:
     """Return a table whose cells are text with markup."""
-    lines = [".. list-table::", "   :header-rows: 1", f"   :widths: {widths}", ""]
+    lines = [".. list-table::", "   :header-rows: 1", "   :width: 100%", f"   :widths: {widths}", ""]
     for row in (head, *rows):
         lines += [f"   {'* -' if not place else '  -'} {' '.join(cell.split())}".rstrip() for place, cell in enumerate(row)]
     return [*lines, ""]
@@ -221,7 +239,7 @@ def literal(value: Any) -> str:
 
 def request_page(group: dict[str, Any]) -> str:
     """Return the page of requests: every parameter with default and meaning."""
-    from seaglint.base.parameters import described
+    from seaglint.base.parameters import described, sentences
 
     lines = [*headed(group["title"], "="), group["about"].replace("`", "``"), ""]
     for module, inner in members(group).items():
@@ -229,19 +247,24 @@ def request_page(group: dict[str, Any]) -> str:
             record = getattr(importlib.import_module(module), name)
             texts = described(record)
             rows = [
-                (f"``{field.name}``", literal(field.default), meaning(texts[field.name])) for field in fields(record) if field.name in texts
+                (f"``{field.name}``", literal(field.default), sentences(field.name, texts[field.name]))
+                for field in fields(record)
+                if field.name in texts
             ]
             own = [row for row in rows if row[0].strip("`") in record.__annotations__]
-            lines += [*headed(name, "-"), f".. py:class:: {name}", f"   :module: {module}", "", *indented(first_lines(record)), ""]
+            lines += [
+                *headed(name, "-"),
+                f".. py:class:: {name}",
+                f"   :module: {module}",
+                "   :no-index-entry:",
+                "",
+                *indented(first_lines(record)),
+                "",
+            ]
             above = [f":class:`~{base.__module__}.{base.__name__}`" for base in record.__bases__ if base is not object]
             lines += indented(["Also the parameters of " + " and ".join(above) + ".", ""]) if above else []
             lines += indented(cells(("parameter", "default", "meaning"), own, "25 15 60")) if own else []
     return "\n".join(lines)
-
-
-def meaning(parameter: Any) -> str:
-    """Return what a parameter of a request means."""
-    return parameter.python or f"{parameter.subject} {parameter.help} {parameter.detail}".replace("`", "``").replace("````", "``").strip()
 
 
 def first_lines(record: type) -> list[str]:
@@ -256,7 +279,7 @@ def indented(lines: list[str]) -> list[str]:
 
 def scenario_page(module: str, title: str) -> str:
     """Return the page of the records of a module of the scenario, with a table of the keys of each."""
-    from page_tables import allowed, resolve
+    from page_tables import allowed, branches, resolve
 
     place = f"seaglint.scenario.{module}"
     lines = [*headed(title, "="), *documented("module", place)]
@@ -267,11 +290,14 @@ def scenario_page(module: str, title: str) -> str:
         for key, raw in root.get("properties", {}).items():
             value = resolve(raw, root)
             default = "" if value.get("default") is None or isinstance(value["default"], dict) else f"``{json.dumps(value['default'])}``"
-            rows.append((f"``{key}``", allowed(value, root).replace("`", "``"), default, text_of(value.get("description", ""))))
+            text = value.get("description") or "; ".join(part.get("description", "") for part in branches(value, root))
+            about = "selects this model" if key == "kind" and not text else text_of(text)
+            rows.append((f"``{key}``", allowed(value, root).replace("`", "``"), default, about))
         lines += [
             *headed(name, "-"),
             f".. py:class:: {name}",
             f"   :module: {place}",
+            "   :no-index-entry:",
             "",
             *indented(inspect.getdoc(record).splitlines()),
             "",
@@ -300,13 +326,25 @@ def physics_page(room: str, group: dict[str, Any]) -> str:
 
 
 def page_texts() -> dict[str, str]:
-    """Return the text of each page by its name."""
+    """Return the text of each page by its name, in the order of the lists."""
     data = public()
     result = {f"sg.{name}": function_page(name, inner) for name, inner in functions().items()}
     result |= {f"records.{name}": record_page(group) for name, group in data["records"].items()}
     result["records.requests"] = request_page(data["requests"])
     result |= {f"scenario.{module.rpartition('.')[2]}": scenario_page(module, title) for module, title in data["scenario"].items()}
     return result | {f"physics.{room}": physics_page(room, group) for room, group in data["physics"].items()}
+
+
+def page_names(*kinds: str) -> list[str]:
+    """Return the names of the pages of some kinds (sg, records, scenario, physics) in the order of the lists."""
+    data = public()
+    names = {
+        "sg": list(functions()),
+        "records": [*data["records"], "requests"],
+        "scenario": [module.rpartition(".")[2] for module in data["scenario"]],
+        "physics": list(data["physics"]),
+    }
+    return [f"{kind}.{name}" for kind in kinds for name in names[kind]]
 
 
 def import_names() -> None:

@@ -2,6 +2,8 @@
 
 Shelves are ``<details>``, which browsers open and close without JavaScript.
 
+Pages below another page are listed beside that page and them alone: on each page they would be a tenth of the site.
+
 The list is made from the titles of the pages only. Sphinx copies the contents of all pages, 10,000 documented names, for every page that it
 writes, and drops all but the titles. Two thirds of the time of writing went there.
 """
@@ -67,7 +69,7 @@ class Titles:
         def toctree(**options: Any) -> str:
             contents, app.env.tocs = app.env.tocs, self.contents
             try:
-                return complete(**options)
+                return complete(**{**options, "collapse": True})
             finally:
                 app.env.tocs = contents
 

@@ -8,12 +8,15 @@ from __future__ import annotations
 import os
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import quote, unquote, urlsplit
 
 import pytest
 
+import inventories
+import seaglint
 from check_site import faults, site_files
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -155,6 +158,18 @@ def test_a_picture_that_leads_to_a_video_shows_it() -> None:
     assert '<source src="a.mp4" type="video/mp4">' in text
 
 
+def test_what_an_earlier_build_left_is_found(tmp_path: Path) -> None:
+    pytest.importorskip("sphinx", reason="Sphinx is not installed")
+    from leftovers import leftovers
+
+    held = {"a.html", "guide/b.html", "_images/p.png", "_downloads/1/c.py", "search.html"}
+    gone = {"genindex.html", "guide/old.html", "_images/q.png", "_downloads/2/d.py"}
+    for name in (*held, *gone, "searchindex.js", "_static/site.css"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    assert {path.relative_to(tmp_path).as_posix() for path in leftovers(tmp_path, held)} == gone
+
+
 def test_keywords_are_of_pages_and_each_is_short() -> None:
     keywords = tomllib.loads((DOCS / "keywords.toml").read_text(encoding="utf-8"))
     assert [name for name in keywords if not (DOCS / f"{name}.md").exists()] == []
@@ -206,7 +221,7 @@ def test_a_style_that_loads_from_elsewhere_is_found(tmp_path: Path) -> None:
 # the built site
 
 
-def pages() -> list[Path]:
+def pages_of_site() -> list[Path]:
     """Pages of the built site."""
     return [path for path in site_files(SITE) if path.suffix == ".html"]
 
@@ -215,6 +230,24 @@ def pages() -> list[Path]:
 @pytest.mark.skipif(not BUILT.exists(), reason="the site is not built; ./run docs builds it")
 def test_the_built_site_has_no_faults() -> None:
     assert faults(SITE) == []
+
+
+@pytest.mark.validation
+@pytest.mark.skipif(not BUILT.exists(), reason="the site is not built; ./run docs builds it")
+def test_each_public_name_is_on_one_page_of_the_reference() -> None:
+    text = {path: path.read_text(encoding="utf-8") for path in (SITE / "api" / "generated").glob("*.html")}
+    places = Counter(name for page in text.values() for name in re.findall(r'<dt[^>]* id="(sg\.[\w.]+)"', page))
+    headings = Counter(name for page in text.values() for name in re.findall(r"<h1>(sg\.\w+)<", page))
+    groups = {name: getattr(getattr(seaglint, name), "__all__", None) for name in seaglint.__all__ if name != "__version__"}
+    assert headings == Counter(f"sg.{name}" for name in groups)
+    assert places == Counter(f"sg.{name}.{each}" if each else f"sg.{name}" for name, inner in groups.items() for each in inner or [""])
+
+
+@pytest.mark.validation
+@pytest.mark.skipif(not BUILT.exists(), reason="the site is not built; ./run docs builds it")
+def test_each_name_of_the_inventories_is_used() -> None:
+    pages = "".join(path.read_text(encoding="utf-8") for path in pages_of_site())
+    assert [name for places in inventories.NAMES.values() for name, place in places.items() if f'/{place}"' not in pages] == []
 
 
 @pytest.fixture(scope="module")
@@ -277,7 +310,7 @@ def test_no_page_overflows_or_asks_the_network(chromium, width: int) -> None:
     page.on("request", lambda request: requests.append(request.url))
     page.on("pageerror", lambda error: errors.append(str(error)))
     wide = []
-    for path in pages():
+    for path in pages_of_site():
         page.goto(path.as_uri(), wait_until="load")
         if page.evaluate("document.documentElement.scrollWidth") > width or (width < PHONE and page.evaluate(CUT_TABLES)):
             wide.append(path.relative_to(SITE).as_posix())

@@ -129,7 +129,8 @@ def path(
     Examples
     --------
     >>> import seaglint as sg
-    >>> air = sg.atmosphere.path({"band": {"min_um": 8.0, "max_um": 12.0}}, range_m=[1000.0, 10000.0], target_height_m=10.0)
+    >>> long_wave = {"band": {"min_um": 8.0, "max_um": 12.0}}
+    >>> air = sg.atmosphere.path(long_wave, range_m=[1000.0, 10000.0], target_height_m=10.0)
     >>> air.transmittance.dims
     ('target_height_m', 'range_m')
     """
@@ -171,7 +172,8 @@ def sky(scenario: SceneInput, *, zenith_deg: ArrayLike, azimuth_deg: ArrayLike |
     Examples
     --------
     >>> import seaglint as sg
-    >>> sky = sg.atmosphere.sky({"band": {"min_um": 8.0, "max_um": 12.0}}, zenith_deg=[0.0, 60.0, 85.0])
+    >>> long_wave = {"band": {"min_um": 8.0, "max_um": 12.0}}
+    >>> sky = sg.atmosphere.sky(long_wave, zenith_deg=[0.0, 60.0, 85.0])
     >>> bool((sky.apparent_temperature.diff("zenith_deg") > 0.0).all())
     True
     """
@@ -205,7 +207,8 @@ def export(scenario: SceneInput, output: str | Path | None = None, *, overwrite:
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.atmosphere.export({"band": {"min_um": 3.9, "max_um": 4.0}}).path_transmittance.dims
+    >>> air = sg.atmosphere.export({"band": {"min_um": 3.9, "max_um": 4.0}})
+    >>> air.path_transmittance.dims
     ('range_m', 'wavenumber_cm')
     """
     from seaglint.studies.air_files import export_air
@@ -250,8 +253,10 @@ def write(
     Examples
     --------
     >>> import seaglint as sg, tempfile
+    >>> scene = {"atmosphere": {"source": "lowtran"}}
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     deck = sg.atmosphere.write({"atmosphere": {"source": "model"}}, folder)  # doctest: +SKIP
+    ...     sg.atmosphere.write(scene, f"{folder}/deck").name
+    'lines.tp5'
     """
     from seaglint.studies.air_files import write_decks
 
@@ -283,7 +288,7 @@ def read(files: str | Path | Sequence[str | Path], output: str | Path | None = N
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.atmosphere.read("deck", "air.nc")  # doctest: +SKIP
+    >>> air = sg.atmosphere.read("deck", "air.nc")  # doctest: +SKIP
     """
     from seaglint.formats.modtran.modtran_air import read_air
 

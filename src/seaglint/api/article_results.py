@@ -53,7 +53,8 @@ def fig2(*, progress: Progress | None = None) -> xr.Dataset:
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.reproduce.fig2()  # doctest: +SKIP
+    >>> dict(sg.reproduce.fig2().sizes)
+    {'wind_speed_m_s': 5, 'slant_range_m': 120, 'zenith_deg': 61}
     """
     return _figure("fig2", progress)
 
@@ -76,7 +77,8 @@ def fig3(*, progress: Progress | None = None) -> xr.Dataset:
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.reproduce.fig3()  # doctest: +SKIP
+    >>> dict(sg.reproduce.fig3().sizes)
+    {'wind_speed_m_s': 3, 'solar_zenith_deg': 31, 'sensor_zenith_deg': 140}
     """
     return _figure("fig3", progress)
 
@@ -99,7 +101,8 @@ def fig4(*, progress: Progress | None = None) -> xr.Dataset:
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.reproduce.fig4()  # doctest: +SKIP
+    >>> sg.reproduce.fig4().wind_speed_m_s.size
+    3
     """
     return _figure("fig4", progress)
 
@@ -123,6 +126,11 @@ def fig5(*, weather: str | Path | None = None, spectral: bool = False, progress:
     xarray.Dataset
         Columns of both panels over ``row``; attributes ``brightest`` [W m-2 sr-1] and ``printed`` [1], the largest chance of the printed
         threshold.
+
+    Raises
+    ------
+    SeaglintError
+        A weather table that cannot be read.
 
     Examples
     --------
@@ -195,10 +203,18 @@ def fig12(
     xarray.Dataset
         The sequence; :func:`sg.labels` gives the labels of both bodies.
 
+    Raises
+    ------
+    SeaglintError
+        Frames or pixels outside their ranges, or a store that is there or cannot be made.
+
     Examples
     --------
-    >>> import seaglint as sg
-    >>> sg.reproduce.fig12("fig12.zarr", frames=range(60, 80), pixels=128)  # doctest: +SKIP
+    >>> import seaglint as sg, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     seen = sg.reproduce.fig12(f"{folder}/f.zarr", frames=range(60, 61), pixels=16)
+    ...     seen.radiance.shape
+    (1, 16, 16)
     """
     from seaglint.api.inputs_and_results import with_band
     from seaglint.store.sequence_store import open_sequence
@@ -249,10 +265,17 @@ def measured(*, spectroscopy: Literal["lblrtm", "lowtran7", "both"] = "both") ->
     ResultRecord
         ``rows``, a band of a measurement each; ``plot()`` draws the spectra.
 
+    Raises
+    ------
+    SeaglintError
+        Another spectroscopy.
+
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.reproduce.measured()["rows"][0]  # doctest: +SKIP
+    >>> row = sg.reproduce.measured(spectroscopy="lowtran7")["rows"][0]
+    >>> row["case"], round(row["measured"], 1), round(row["ours"], 1), row["unit"]
+    ('AERI, zenith sky, Oklahoma 2001', 267.0, 266.7, 'K')
     """
     from seaglint.studies.measured.against_measurements import against_measurements
 

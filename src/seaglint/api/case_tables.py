@@ -58,8 +58,9 @@ def atmosphere(
     Examples
     --------
     >>> import seaglint as sg
-    >>> case = dict(atmosphere=["tropical"], wind_speed_m_s=[5.0], sensor_height_m=[20.0], depression_deg=[1.0])
-    >>> result = sg.evaluate.atmosphere({**case, "solar_zenith_deg": [60.0], "sky_zenith_deg": [30.0]}, bands=["3.5-4.1"])
+    >>> case = dict(atmosphere=["tropical"], wind_speed_m_s=[5.0], sensor_height_m=[20.0])
+    >>> case |= dict(depression_deg=[1.0], solar_zenith_deg=[60.0], sky_zenith_deg=[30.0])
+    >>> result = sg.evaluate.atmosphere(case, bands=["3.5-4.1"])
     >>> result.tau_mean.dims
     ('case', 'band')
     """
@@ -104,7 +105,8 @@ def emissivity(
     Examples
     --------
     >>> import seaglint as sg
-    >>> result = sg.evaluate.emissivity({"wavelength_um": [10.0], "wind_speed_m_s": [5.0], "zenith_deg": [0.0]})
+    >>> case = {"wavelength_um": [10.0], "wind_speed_m_s": [5.0], "zenith_deg": [0.0]}
+    >>> result = sg.evaluate.emissivity(case)
     >>> round(float(result.emissivity[0]), 2)
     0.99
     """
@@ -153,8 +155,9 @@ def mean(
     Examples
     --------
     >>> import seaglint as sg
-    >>> case = dict(atmosphere=["tropical"], wind_speed_m_s=[5.0], sensor_height_m=[20.0], depression_deg=[2.0], solar_zenith_deg=[60.0])
-    >>> case |= dict(relative_azimuth_deg=[90.0], sea_temperature_k=[300.0], ifov_mrad=[0.5])
+    >>> case = dict(atmosphere=["tropical"], wind_speed_m_s=[5.0], sensor_height_m=[20.0])
+    >>> case |= dict(depression_deg=[2.0], solar_zenith_deg=[60.0], ifov_mrad=[0.5])
+    >>> case |= dict(relative_azimuth_deg=[90.0], sea_temperature_k=[300.0])
     >>> sg.evaluate.mean(case, bands=["3.5-4.1", "8-12"]).radiance_W_m2_sr.shape
     (1, 2)
     """
@@ -203,7 +206,12 @@ def scattered(
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.evaluate.scattered("sky.csv", bands=["3.5-4.1"])  # doctest: +SKIP
+    >>> case = dict(kind=["sky"], atmosphere=["tropical"], wind_speed_m_s=[5.0])
+    >>> case |= dict(sensor_height_m=[0.0], elevation_deg=[30.0])
+    >>> case |= dict(azimuth_from_sun_deg=[40.0], solar_zenith_deg=[50.0])
+    >>> result = sg.evaluate.scattered(case, bands=["3.5-4.1"])
+    >>> round(float(result.scattered_W_m2_sr[0, 0]), 3)
+    0.047
     """
     from seaglint.studies.mean.evaluate_cases import evaluate_scattered
 

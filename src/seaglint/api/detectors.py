@@ -109,7 +109,8 @@ def detect_recording(
     --------
     >>> import numpy as np, seaglint as sg
     >>> noise = np.random.default_rng(1).normal(10.0, 0.5, (8, 64, 64))
-    >>> found = sg.detect_recording(noise, contrast=[1.0, 3.0], detector="matched", threshold=3.0, injections=200)
+    >>> how = dict(detector="matched", threshold=3.0, injections=200)
+    >>> found = sg.detect_recording(noise, contrast=[1.0, 3.0], **how)
     >>> [entry["p_d"] > 0.9 for entry in found["sweep"]]
     [False, True]
     """
@@ -179,7 +180,8 @@ def detect(
     --------
     >>> import numpy as np, seaglint as sg
     >>> noise = np.random.default_rng(1).normal(10.0, 0.5, (8, 64, 64))
-    >>> found = sg.detect(noise, [1.0, 3.0], detector="matched", threshold=3.0, injections=200)
+    >>> how = dict(detector="matched", threshold=3.0, injections=200)
+    >>> found = sg.detect(noise, [1.0, 3.0], **how)
     >>> [entry["p_d"] > 0.9 for entry in found["sweep"]]
     [False, True]
     """
@@ -252,7 +254,10 @@ def detect_scene(
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.detect_scene("my.toml", contrast=[0.01, 0.1], frames=8)  # doctest: +SKIP
+    >>> scene = {"sensor": {"pixels": [32, 16]}, "sea": {"resolve_waves": False}}
+    >>> found = sg.detect_scene(scene, contrast=[0.01, 100.0], frames=2, injections=50)
+    >>> [entry["p_d"] for entry in found["sweep"]]
+    [0.0, 1.0]
     """
     return _study(source, request_of(SceneRequest, locals(), **_of_scene(locals())), vary, cases, workers, progress)
 
@@ -322,7 +327,10 @@ def detect_design(
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.detect_design("my.toml", frames=16)["design"]["contrast"]  # doctest: +SKIP
+    >>> scene = {"sensor": {"pixels": [32, 16]}, "sea": {"resolve_waves": False}}
+    >>> design = sg.detect_design(scene, frames=8, injections=50, p_fa=0.01)["design"]
+    >>> round(design["contrast"], 1), design["contrast_unit"]
+    (20.1, 'W m-2 sr-1')
     """
     return _study(source, request_of(DesignRequest, locals(), **_of_scene(locals())), vary, cases, workers, progress)
 
@@ -384,8 +392,13 @@ def detect_range(
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.detect_range("boat.toml", object="boat")["ranges"][0]["range_m"]  # doctest: +SKIP
-    5230.0
+    >>> camera = {"pixels": [48, 24], "fov_deg": [4, 2], "elevation_deg": -4}
+    >>> boat = {"name": "boat", "preset": "small-boat", "north_m": -400}
+    >>> scene = {"sensor": camera, "sea": {"resolve_waves": False}, "objects": [boat]}
+    >>> quick = dict(frames=2, precision=0.5, range_limits=(5e3, 4e4), p_fa=0.01)
+    >>> found = sg.detect_range(scene, object="boat", detector="top-hat", **quick)
+    >>> round(found["ranges"][0]["range_m"], -2)
+    5600.0
     """
     from seaglint.store.detection_results import parts_folder
     from seaglint.studies.detect.study import ranges_of

@@ -57,9 +57,11 @@ def export(
     Examples
     --------
     >>> import seaglint as sg, tempfile
-    >>> scene = sg.load({"sensor": {"pixels": [8, 4], "frames": 3}, "sea": {"resolve_waves": False}})
+    >>> camera = {"pixels": [8, 4], "frames": 3}
+    >>> scene = sg.load({"sensor": camera, "sea": {"resolve_waves": False}})
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     sg.export(sg.render(scene, f"{folder}/run.zarr"), f"{folder}/run.tif", dtype="uint16", limits=(0.0, 2.0)).shape
+    ...     run = sg.render(scene, f"{folder}/run.zarr")
+    ...     sg.export(run, f"{folder}/run.tif", dtype="uint16", limits=(0.0, 2.0)).shape
     (3, 4, 8)
     """
     from seaglint.plot.run_export import export_run
@@ -114,7 +116,8 @@ def export_sea(
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.export_sea({"seed": 1}, extent=(16.0, 8.0), spacing=1.0, lattices=False).height.shape
+    >>> sea = sg.export_sea({"seed": 1}, extent=(16.0, 8.0), spacing=1.0, lattices=False)
+    >>> sea.height.shape
     (9, 17)
     """
     from seaglint.store.outputs import refuse_existing
@@ -153,8 +156,15 @@ def labels(run: str | Path, output: str | Path | None = None, *, overwrite: bool
 
     Examples
     --------
-    >>> import seaglint as sg
-    >>> sg.labels("run.zarr", "labels.json").column_px  # doctest: +SKIP
+    >>> import seaglint as sg, tempfile
+    >>> camera = {"pixels": [48, 24], "fov_deg": [4, 2], "elevation_deg": -4, "frames": 1}
+    >>> boat = {"name": "boat", "preset": "small-boat", "north_m": -400}
+    >>> scene = {"sensor": camera, "sea": {"resolve_waves": False}, "objects": [boat]}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run = sg.render(scene, f"{folder}/run.zarr")
+    ...     truth = sg.labels(f"{folder}/run.zarr", f"{folder}/labels.json")
+    >>> truth.classes.values, round(float(truth.range_m[0, 0]))
+    (array(['boat'], dtype='<U4'), 401)
     """
     from seaglint.formats.object_labels import Labels, label_dataset, report_never_seen, require_labels_name, write_labels
     from seaglint.store.outputs import refuse_existing

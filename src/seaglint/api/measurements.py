@@ -160,8 +160,10 @@ def compare_spectrum(
     Examples
     --------
     >>> import seaglint as sg
-    >>> sky = {"wavelength_um": [8.5, 8.7, 8.9, 9.1], "brightness_temperature_k": [262, 259, 257, 254], "resolution_cm": 20.0}
-    >>> result = sg.compare_spectrum(sky, sg.load({"sensor": {"height_m": 20}}), zenith_deg=30.0)
+    >>> sky = {"wavelength_um": [8.5, 8.7, 8.9, 9.1], "resolution_cm": 20.0}
+    >>> sky["brightness_temperature_k"] = [262, 259, 257, 254]
+    >>> scene = sg.load({"sensor": {"height_m": 20}})
+    >>> result = sg.compare_spectrum(sky, scene, zenith_deg=30.0)
     >>> result.resolution_cm, len(result.bands)
     (20.0, 1)
     """
@@ -257,7 +259,8 @@ def homogeneous_path(
     Five kilometres of moist air at the sea:
 
     >>> import seaglint as sg
-    >>> air = dict(temperature_k=300.0, pressure_hpa=1013.0, vapour_pressure_hpa=26.0, length_km=5.0, co2_ppmv=425.0)
+    >>> air = dict(temperature_k=300.0, pressure_hpa=1013.0, vapour_pressure_hpa=26.0)
+    >>> air |= dict(length_km=5.0, co2_ppmv=425.0)
     >>> round(sg.homogeneous_path(band_um=(10.2, 12.2), **air), 2)
     0.1
     """

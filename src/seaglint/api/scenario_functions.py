@@ -300,7 +300,8 @@ def sweep(
     --------
     >>> import seaglint as sg
     >>> winds = {"wind.speed_m_s": [5, "20 kn"], "sun.zenith_deg": [30, 60]}
-    >>> seen = sg.sweep({"band": {"min_um": 8, "max_um": 12}}, winds, at={"view_zenith_deg": [0, 60]})
+    >>> long_wave = {"band": {"min_um": 8, "max_um": 12}}
+    >>> seen = sg.sweep(long_wave, winds, at={"view_zenith_deg": [0, 60]})
     >>> dict(seen.radiance.sizes)
     {'wind.speed_m_s': 2, 'sun.zenith_deg': 2, 'view_zenith_deg': 2}
     """
@@ -348,7 +349,8 @@ def likelihood(
     Examples
     --------
     >>> import seaglint as sg
-    >>> chances = sg.likelihood({"likelihood": {"threshold_w_m2_sr": [1.0], "samples": 1024}})
+    >>> table = {"threshold_w_m2_sr": [1.0], "samples": 1024}
+    >>> chances = sg.likelihood({"likelihood": table})
     >>> 0.0 <= chances["results"][0]["probability"] <= 1.0
     True
     """

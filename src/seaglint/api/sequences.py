@@ -80,7 +80,8 @@ def render(
     Examples
     --------
     >>> import seaglint as sg, tempfile
-    >>> scene = sg.load({"sensor": {"pixels": [8, 4], "frames": 3}, "sea": {"resolve_waves": False}})
+    >>> camera = {"pixels": [8, 4], "frames": 3}
+    >>> scene = sg.load({"sensor": camera, "sea": {"resolve_waves": False}})
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     sg.render(scene, f"{folder}/run.zarr").radiance.shape
     (3, 4, 8)
@@ -136,7 +137,8 @@ def frames(
     Examples
     --------
     >>> import seaglint as sg
-    >>> scene = sg.load({"sensor": {"pixels": [8, 4], "frames": 2}, "sea": {"resolve_waves": False}})
+    >>> camera = {"pixels": [8, 4], "frames": 2}
+    >>> scene = sg.load({"sensor": camera, "sea": {"resolve_waves": False}})
     >>> [(int(frame.frame), frame.radiance.shape) for frame in sg.frames(scene)]
     [(0, (4, 8)), (1, (4, 8))]
     """
@@ -200,8 +202,10 @@ def sense(
     Examples
     --------
     >>> import numpy as np, seaglint as sg
-    >>> tables = {"optics": {"aperture_m": 0.05, "f_number": 4.0}, "detector": {"pitch_um": 15.0}, "noise": {"temporal": False}}
-    >>> found = sg.sense(np.full((2, 24, 24), 1.5), sg.load({"sensor": tables}), oversampling=3)
+    >>> optics, detector = {"aperture_m": 0.05, "f_number": 4.0}, {"pitch_um": 15.0}
+    >>> camera = {"optics": optics, "detector": detector, "noise": {"temporal": False}}
+    >>> scene = sg.load({"sensor": camera})
+    >>> found = sg.sense(np.full((2, 24, 24), 1.5), scene, oversampling=3)
     >>> found.signal.shape, round(float(sg.apparent_temperature(found).mean()), 2)
     ((2, 8, 8), 295.03)
     """
@@ -268,8 +272,10 @@ def sensor(scenario: SceneInput, *, frequency: Sequence[float] = (), sensor: str
     Examples
     --------
     >>> import seaglint as sg
-    >>> tables = {"optics": {"aperture_m": 0.05, "f_number": 4.0}, "detector": {"pitch_um": 15.0, "well_capacity_e": 7e6}}
-    >>> found = sg.sensor(sg.load({"sensor": {**tables, "frame_rate_hz": 100}}))
+    >>> optics = {"aperture_m": 0.05, "f_number": 4.0}
+    >>> detector = {"pitch_um": 15.0, "well_capacity_e": 7e6}
+    >>> camera = {"optics": optics, "detector": detector, "frame_rate_hz": 100}
+    >>> found = sg.sensor(sg.load({"sensor": camera}))
     >>> round(found["electrons_per_count"], 2)
     106.81
     """
@@ -324,7 +330,8 @@ def ensemble(
     >>> import tempfile
     >>> import seaglint as sg
     >>> laws = [{"key": "wind.speed_m_s", "law": "choice", "values": [3.0]}]
-    >>> study = {"ensemble": {"scenes": 2}, "base": {"sensor": {"pixels": [8, 4]}}, "vary": laws}
+    >>> base = {"sensor": {"pixels": [8, 4]}}
+    >>> study = {"ensemble": {"scenes": 2}, "base": base, "vary": laws}
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     rows = sg.ensemble(study, f"{folder}/many", draw_only=True)
     >>> [row["wind.speed_m_s"] for row in rows]
@@ -384,9 +391,17 @@ def dataset(
 
     Examples
     --------
-    >>> import seaglint as sg
-    >>> sg.dataset("small-objects.toml", "small", workers=2)  # doctest: +SKIP
-    PosixPath('small')
+    >>> import seaglint as sg, tempfile
+    >>> camera = {"pixels": [48, 24], "fov_deg": [4, 2], "elevation_deg": -4, "frames": 1}
+    >>> boat = {"name": "boat", "preset": "small-boat", "north_m": -400}
+    >>> base = {"sensor": camera, "sea": {"resolve_waves": False}, "objects": [boat]}
+    >>> laws = [{"key": "wind.speed_m_s", "law": "choice", "values": [3.0]}]
+    >>> study = {"ensemble": {"scenes": 1}, "base": base, "vary": laws}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     rows = sg.ensemble(study, f"{folder}/many")
+    ...     data = sg.dataset(f"{folder}/many", f"{folder}/data")
+    ...     (data / "annotations.json").exists()
+    True
     """
     from seaglint.formats.dataset.dataset_writing import problems
     from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source

@@ -173,8 +173,11 @@ def sample(
 
     Examples
     --------
-    >>> import seaglint as sg
-    >>> sg.texture.sample("model.json", size=(256, 256), frames=32)  # doctest: +SKIP
+    >>> import numpy as np, seaglint as sg
+    >>> noise = np.random.default_rng(1).normal(10.0, 0.5, (32, 32))
+    >>> sample = sg.texture.sample(sg.texture.fit(noise), size=(32, 16))
+    >>> dict(sample.texture.sizes)
+    {'time': 1, 'y': 16, 'x': 32}
     """
     from seaglint.store.sequence_store import open_sequence
     from seaglint.studies.texture.texture_sequences import loop
@@ -287,8 +290,12 @@ def place(
 
     Examples
     --------
-    >>> import seaglint as sg
-    >>> sg.texture.place("model.json", "my.toml", "placed.zarr")  # doctest: +SKIP
+    >>> import numpy as np, seaglint as sg, tempfile
+    >>> texture = sg.texture.fit(np.random.default_rng(1).normal(10.0, 0.5, (32, 32)))
+    >>> scene = {"sensor": {"pixels": [16, 8], "frames": 1}}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     sg.texture.place(texture, scene, f"{folder}/placed.zarr").radiance.shape
+    (1, 8, 16)
     """
     from seaglint.api.inputs_and_results import with_band
     from seaglint.store.sequence_store import check_output, open_sequence

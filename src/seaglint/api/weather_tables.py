@@ -33,7 +33,7 @@ def build(
     anemometer: float | None = None,
     overwrite: bool = False,
 ) -> xr.Dataset:
-    """Make a table of weather from reanalysis, ships, buoys or CSV.
+    r"""Make a table of weather from reanalysis, ships, buoys or CSV.
 
     Parameters
     ----------
@@ -74,8 +74,14 @@ def build(
 
     Examples
     --------
-    >>> import seaglint as sg
-    >>> table = sg.weather.build("north-atlantic-ships.csv", months=[6, 7, 8])  # doctest: +SKIP
+    >>> import seaglint as sg, tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     source = Path(folder, "ships.csv")
+    ...     _ = source.write_text("wind,wave\n12,0.5\n15,1.0\n")
+    ...     table = sg.weather.build(source, columns={"wind_speed_m_s": "wind:kn"})
+    >>> table.wind_speed_m_s.values.round(2).tolist()
+    [6.17, 7.72]
     """
     from seaglint.climate.weather_selection import GeographicBox, Polygon, Selection
     from seaglint.formats.weather.weather_cells import read_polygon

@@ -57,7 +57,8 @@ class DomainError(SeaglintError, ValueError):
 
     Examples
     --------
-    >>> DomainError("height = 3 m ...", name="height", value=3.0, allowed=(5.0, 9.0)).allowed
+    >>> error = DomainError("height = 3 m", name="height", value=3.0, allowed=(5.0, 9.0))
+    >>> error.allowed
     (5.0, 9.0)
     """
 

@@ -7,6 +7,7 @@ import re
 import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import fields
+from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeVar, get_args, get_type_hints
 
 #: Headings of the parameters of requests, in the order of a help page that has headings.
@@ -56,7 +57,7 @@ def documented(*records: type, **words: str) -> Callable[[Function], Function]:
         if function.__doc__:  # none under python -OO
             texts = {name: text for record in reversed(records or (function,)) for name, text in described(record).items()}
             entries = [
-                f"{name} : {_type(annotation)}\n{_sentences(name, texts[name], words)}"
+                f"{name} : {_type(annotation)}\n{_indented(sentences(name, texts[name], words))}"
                 for name, annotation in _annotations(function).items()
                 if name in texts
             ]
@@ -75,17 +76,25 @@ def _annotations(function: Callable[..., Any]) -> dict[str, str]:
     return {name: str(parameter.annotation) for name, parameter in inspect.signature(function).parameters.items()}
 
 
-def _sentences(name: str, parameter: Parameter, words: Mapping[str, str]) -> str:
-    """Return help and detail as sentences, indented as the text of a parameter."""
+def sentences(name: str, parameter: Parameter, words: Mapping[str, str] = MappingProxyType({})) -> str:
+    """Return the meaning of a parameter in documentation: help and detail as sentences.
+
+    >>> sentences("seed", Parameter("of the samples", detail="Any integer."))
+    'Seed of the samples. Any integer.'
+    """
     if parameter.python:
-        return textwrap.indent("\n".join(textwrap.wrap(parameter.python, 130, break_long_words=False)), "    ")
+        return parameter.python
     text = re.sub(r"`(\w+)`", r"``\1``", parameter.help)
     text = re.sub(r"\{(\w+)\}|\b([A-Z]{3,})\b", lambda match: words.get(match[1] or match[2], match[0]), text)
     text = text.removesuffix("; repeatable")
     subject = parameter.subject or (name.replace("_", " ") if text.startswith("of ") else "")
     text = f"{subject} {text}".strip()
-    whole = f"{text[0].upper()}{text[1:]}. {parameter.detail}".strip()
-    return textwrap.indent("\n".join(textwrap.wrap(whole, 130, break_long_words=False)), "    ")
+    return f"{text[0].upper()}{text[1:]}. {parameter.detail}".strip()
+
+
+def _indented(text: str) -> str:
+    """Return a text as the lines below a parameter's name and type."""
+    return textwrap.indent("\n".join(textwrap.wrap(text, 130, break_long_words=False)), "    ")
 
 
 def _type(annotation: str) -> str:

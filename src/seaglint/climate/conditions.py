@@ -65,6 +65,11 @@ def arc(day: FloatArray, latitude: FloatArray, longitude: FloatArray) -> tuple[F
     latitude, longitude : ndarray
         North and east positive [deg].
 
+    Returns
+    -------
+    (ndarray, ndarray)
+        Noon [h UTC] and half of the time of light [h].
+
     References
     ----------
     J. W. Spencer, Fourier series representation of the position of the Sun, Search 2 (1971) 172.
@@ -93,6 +98,11 @@ def hours_of_light(uniform: FloatArray, noon: FloatArray, half: FloatArray, hour
         From :func:`arc` [(n,)].
     hours : (float, float)
         First and last hour that count, UTC, ascending.
+
+    Returns
+    -------
+    Hours
+        Hours of the draws [h UTC] with their weights.
 
     Examples
     --------
@@ -145,6 +155,11 @@ def clear_line(cover: ArrayLike, elevation: ArrayLike, aspect: float) -> FloatAr
         Elevation of the line of sight [rad]; broadcast. At 0 and below no line is clear under any cloud.
     aspect : float
         a, height of clouds over their width [1]; 0 is ``CloudLaw`` ``"cover"``.
+
+    Returns
+    -------
+    ndarray
+        Probability [1].
 
     Examples
     --------

@@ -70,6 +70,8 @@ class Estimate:
 def estimate(values: FloatArray, plan: SamplingPlan, *, weight: FloatArray | None = None, most: float = 1.0) -> Estimate:
     """Estimate the mean of draws and its interval.
 
+    ``p = sum_i w_i x_i / sum_i w_i``, with ``p +- t s / sqrt(m)`` over m scramblings whose means deviate by s.
+
     The means of the scramblings are independent: Student's interval. Where they hardly differ, or all of them agree, as for chances of 0
     and 1, the interval is at least 3 draws wide to each side (the rule of three); few hits have the interval of their count.
 
@@ -83,6 +85,11 @@ def estimate(values: FloatArray, plan: SamplingPlan, *, weight: FloatArray | Non
         Weights of the draws [(total,)]: the ratio of the sums is estimated, with the scatter of its numerator about it.
     most : float
         Largest value possible; infinite for radiances.
+
+    Returns
+    -------
+    Estimate
+        Mean with its 95 % interval, in the units of the values.
 
     Examples
     --------

@@ -101,9 +101,10 @@ class Ephemeris:
         --------
         >>> import numpy as np
         >>> sky = Ephemeris.of_year(2003)
-        >>> sun = sky.at(1066419030.0, 39.742476, -105.1786, height=1830.14, pressure=820.0, temperature=11.0)
-        >>> round(float(np.degrees(sun.zenith[0])), 4), round(float(np.degrees(sun.azimuth[0])), 4)
-        (50.1116, 194.3402)
+        >>> air = dict(height=1830.14, pressure=820.0, temperature=11.0)
+        >>> sun = sky.at(1066419030.0, 39.742476, -105.1786, **air)
+        >>> np.degrees([sun.zenith[0], sun.azimuth[0]]).round(4).tolist()
+        [50.1116, 194.3402]
         """
         parts = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in (time, latitude, longitude)))
         t, lat, lon = (np.ascontiguousarray(part).ravel() for part in parts)

@@ -27,6 +27,8 @@ _MAGNUS: Final = (17.625, 243.04)  #: Constants of Magnus' formula [1], [degC].
 def wind_from_components(east: ArrayLike, north: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return the speed of a wind and the direction that it comes from, from the components that it blows towards.
 
+    ``speed = sqrt(u^2 + v^2)``, ``direction = atan2(-u, -v)``.
+
     Parameters
     ----------
     east, north : array

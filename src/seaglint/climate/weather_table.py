@@ -68,7 +68,9 @@ class WeatherTable:
 
     Examples
     --------
-    >>> table = WeatherTable({"wind_speed_m_s": np.array([3.0, 9.0]), "cloud_cover": np.array([0.1, 0.9]), "weight": np.array([1.0, 3.0])})
+    >>> columns = {"wind_speed_m_s": [3.0, 9.0], "cloud_cover": [0.1, 0.9]}
+    >>> columns["weight"] = [1.0, 3.0]
+    >>> table = WeatherTable({name: np.array(values) for name, values in columns.items()})
     >>> table.draw(np.array([0.1, 0.3, 0.99])).tolist()
     [0, 1, 1]
     """

@@ -72,6 +72,11 @@ def fit_pareto(excess: ArrayLike, number: ArrayLike | None = None) -> ParetoFit:
     number : array_like, optional
         Number of occurrences of each [1].
 
+    Returns
+    -------
+    ParetoFit
+        Shape [1] and scale [unit of the excesses] at the maximum.
+
     Raises
     ------
     DomainError

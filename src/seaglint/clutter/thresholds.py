@@ -107,7 +107,8 @@ def standardise(
 
     Examples
     --------
-    >>> standardise(np.array([[0.0, 0.0, 0.0, 4.0]]))[0, 0].astype(float).round(3).tolist()
+    >>> image = np.array([[0.0, 0.0, 0.0, 4.0]])
+    >>> standardise(image)[0, 0].astype(float).round(3).tolist()
     [-0.577, -0.577, -0.577, 1.732]
     """
     frames = as_frames(filtered)
@@ -156,7 +157,7 @@ def _local(frames: Frames, mask: NDArray[np.bool_] | None, window: int) -> Frame
 
 
 def gaussian_rate(threshold_sigma: ArrayLike) -> NDArray[np.float64]:
-    """One-sided Gaussian tail Q(m) = erfc(m / sqrt 2) / 2 [1].
+    """One-sided Gaussian tail ``Q(m) = erfc(m / sqrt 2) / 2`` [1].
 
     Examples
     --------

@@ -179,6 +179,8 @@ class WhiteFrames(PlainFrames):
         Seed of the noise; a frame is a function of it and of its number.
     sequence_length : int
         Frames of a sequence; 0 where all are one.
+    saturation : float, optional
+        Value from which on a pixel is saturated [u].
     """
 
     frames: int

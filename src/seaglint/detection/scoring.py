@@ -273,6 +273,11 @@ def exact_interval(count: int, number: int, level: float) -> tuple[float, float]
     level : float
         Confidence level of the interval [1].
 
+    Returns
+    -------
+    (float, float)
+        Lower and upper bound of the probability [1].
+
     Examples
     --------
     >>> [round(end, 4) for end in exact_interval(0, 100, 0.95)]

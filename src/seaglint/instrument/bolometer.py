@@ -53,6 +53,11 @@ def lag_weights(time_constant: float, interval: float) -> FloatArray:
     time_constant, interval : float
         Time constant of the detector, and interval between frames [s].
 
+    Returns
+    -------
+    ndarray
+        Weights [1], that of the frame first.
+
     Examples
     --------
     >>> lag_weights(0.0, 0.04)

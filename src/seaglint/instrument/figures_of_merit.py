@@ -97,7 +97,9 @@ def blur_px(model: SensorModel) -> float:
     >>> from seaglint.instrument.optics import SensorOptics
     >>> from seaglint.instrument.detector import PhotonPixels
     >>> from seaglint.instrument.photons import Photons
-    >>> shaken = SensorModel(Photons(Band.rectangular(3.5, 5.0)), SensorOptics(0.2, 0.1, jitter=1.8e-4), PhotonPixels(15e-6))
+    >>> photons = Photons(Band.rectangular(3.5, 5.0))
+    >>> optics = SensorOptics(0.2, 0.1, jitter=1.8e-4)
+    >>> shaken = SensorModel(photons, optics, PhotonPixels(15e-6))
     >>> round(blur_px(shaken), 2)  # 1.2 of jitter, and some diffraction
     1.23
     """
@@ -209,6 +211,11 @@ def figures(
         Movement of the line of sight by the platform [rad s-1].
     frequencies : sequence of float
         Frequencies of the MTF [cycles rad-1]; by default from 0 to twice the Nyquist frequency.
+
+    Returns
+    -------
+    SensorDataSheet
+        The figures, each with its unit.
     """
     line, detector, optics, photons = model.readout, model.detector, model.optics, model.photons
     photon = isinstance(detector, PhotonPixels)
@@ -299,6 +306,11 @@ def netd(model: SensorModel, temperature: float) -> float:
         The sensor.
     temperature : float
         Temperature of the blackbody [K].
+
+    Returns
+    -------
+    float
+        NETD [K].
     """
     return budget(model, float(model.photons.radiance(temperature))).total / signal_slope(model, temperature)
 
@@ -318,6 +330,11 @@ def read_noise_for(model: SensorModel, stated: float, temperature: float) -> flo
         Stated NETD [K].
     temperature : float
         Temperature of the blackbody for which it is stated [K].
+
+    Returns
+    -------
+    float
+        Read noise [electrons].
 
     Raises
     ------
@@ -350,6 +367,11 @@ def integration_time_for(model: SensorModel, stated: float, temperature: float, 
         Temperature of the blackbody for which it is stated [K].
     longest : float
         Longest integration time that a frame allows [s].
+
+    Returns
+    -------
+    float
+        Integration time [s].
 
     Raises
     ------

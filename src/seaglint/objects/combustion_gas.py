@@ -126,6 +126,11 @@ def emissivity(wavenumber_cm: ArrayLike, path: ArrayLike, temperature: float, co
     co2_share, h2o_share : float
         Mole fractions of carbon dioxide and water vapour [1].
 
+    Returns
+    -------
+    ndarray
+        Emissivity [1, (paths, n)].
+
     Examples
     --------
     >>> emissivity([2100.0, 2250.0, 2500.0], [1.0], 1000.0, 0.1, 0.1).round(2)

@@ -144,7 +144,8 @@ class Band:
         """Band radiance of a blackbody on the quadrature of a grid [W m-2 sr-1, shape of ``temperature``].
 
         >>> grid = np.arange(1995.0, 3340.0, 5.0)
-        >>> round(ARTICLE_UNIT * float(Band.rectangular(3.0, 5.0).radiance(292.4, grid)), 1)
+        >>> radiance = float(Band.rectangular(3.0, 5.0).radiance(292.4, grid))
+        >>> round(ARTICLE_UNIT * radiance, 1)
         140.7
         """
         t = np.asarray(temperature, dtype=np.float64)
@@ -197,6 +198,9 @@ def _cached_inverse(wavelength_um: bytes, response: bytes, wavenumber_cm: bytes)
 def apparent_temperature(band_radiance: ArrayLike, band: Band, wavenumber_cm: ArrayLike) -> FloatArray:
     """Blackbody temperature whose response-weighted radiance equals a band radiance.
 
+    The temperature T of ``L = integral R(nu) B(nu, T) dnu`` with the response R and Planck's law B
+    (:func:`~seaglint.optics.blackbody.planck_wavenumber`).
+
     Parameters
     ----------
     band_radiance : array_like
@@ -235,6 +239,8 @@ def apparent_temperature(band_radiance: ArrayLike, band: Band, wavenumber_cm: Ar
 def triangular_average(wavenumber_cm: FloatArray, spectrum: FloatArray, centres_cm: FloatArray, width_cm: float = 20.0) -> FloatArray:
     """Average a spectrum with a triangle about each centre, of a full width at half maximum ``width_cm`` [unit of spectrum, (n,)].
 
+    ``integral w(nu) S(nu) dnu / integral w(nu) dnu`` with ``w = max(0, 1 - |nu - centre| / width_cm)``.
+
     Parameters
     ----------
     wavenumber_cm : ndarray
@@ -245,6 +251,11 @@ def triangular_average(wavenumber_cm: FloatArray, spectrum: FloatArray, centres_
         Middles of the triangles [cm-1, (n,)]. A triangle that reaches beyond the samples is cut there.
     width_cm : float
         Full width at half maximum [cm-1]; the triangle ends this far from its middle.
+
+    Returns
+    -------
+    ndarray
+        Averages [unit of spectrum, (n,)].
 
     Examples
     --------

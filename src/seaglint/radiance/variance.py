@@ -222,8 +222,10 @@ def glint_variance(
     --------
     A thousandth of the viewed area mirrors; a pixel of 1 mrad x 1 mrad from 2 km looks at a patch of 2 m x 2 m.
 
-    >>> sparse = dict(sun_mean=1.0, chance=1e-3, cos_incidence=0.7, view_zenith=1.5, solar_zenith=1.0, slant_range=2000.0)
-    >>> round(float(glint_variance(**sparse, solid_angle=1e-6, correlation_length=0.0026)) ** 0.5, 4)
+    >>> look = dict(cos_incidence=0.7, view_zenith=1.5, solar_zenith=1.0)
+    >>> look |= dict(slant_range=2000.0, solid_angle=1e-6)
+    >>> sparse = dict(sun_mean=1.0, chance=1e-3, correlation_length=0.0026)
+    >>> round(float(glint_variance(**sparse, **look)) ** 0.5, 4)
     0.052
     """
     m = patches(cos_incidence, view_zenith, solar_zenith, slant_range, solid_angle, correlation_length)

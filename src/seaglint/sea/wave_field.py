@@ -4,7 +4,9 @@
 
 ::
 
-    zeta(x, t) = Re sum_k a_k exp[i (k.x - omega t)],     <|a_k|^2> = 2 int_cell Psi dk,     omega by :mod:`seaglint.sea.dispersion`
+    zeta(x, t) = Re sum_k a_k exp[i (k.x - omega t)],     <|a_k|^2> = 2 int_cell Psi dk
+
+with omega by :mod:`seaglint.sea.dispersion`.
 
 Every tile carries a separate band of wavenumbers, so that the sum over tiles has the whole spectrum once. Lengths are incommensurate and
 axes turned against each other; if the sea must not show the period of any tile, tiles wander (``seaglint.sea.tiles``). The

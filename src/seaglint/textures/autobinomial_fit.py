@@ -87,6 +87,11 @@ def maximum_likelihood(
         picture's mean products of neighbours. alpha is unchanged. Without periods the products inside the picture are scaled to the number
         of pairs of a torus.
 
+    Returns
+    -------
+    Optimum
+        Parameters at the maximum with their covariance.
+
     References
     ----------
     C. J. Geyer and E. A. Thompson, "Constrained Monte Carlo maximum likelihood for dependent data", J. R. Stat. Soc. B 54 (1992), 657-699.
@@ -259,6 +264,8 @@ def fit(
 ) -> AutobinomialFit:
     """Fit the field to a picture.
 
+    The maximum of the log pseudo-likelihood ``sum_s log P[x(s) | neighbours]`` (Besag 1975), or from there of a likelihood.
+
     Parameters
     ----------
     image : array of int, (rows, columns)
@@ -304,7 +311,8 @@ def fit(
     >>> from seaglint.textures.autobinomial_sampler import sample
     >>> known = Autobinomial.of(4, 1, -1.2, (0.2,))
     >>> result = fit(sample(known, (64, 64), 50, seed=1), 4, periodic=True, check=False)
-    >>> bool((abs(result.parameters - known.parameters) < 3.0 * result.standard_errors).all())
+    >>> errors = abs(result.parameters - known.parameters)
+    >>> bool((errors < 3.0 * result.standard_errors).all())
     True
     """
     if method not in get_args(Method):

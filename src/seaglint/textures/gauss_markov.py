@@ -2,7 +2,8 @@
 
 Given all others, a pixel is Gaussian about a weighted sum of its neighbours::
 
-    E[x(s) | rest] = mean + sum_k b_k (x(s + d_k) + x(s - d_k) - 2 mean),     Var[x(s) | rest] = v
+    E[x(s) | rest] = mean + sum_k b_k (x(s + d_k) + x(s - d_k) - 2 mean)
+    Var[x(s) | rest] = v
 
 with offsets d = (frames, rows, columns). On a torus the covariance is diagonal in the Fourier basis, with the spectral density
 ``S(w) = v / (1 - 2 sum_k b_k cos(w . d_k))``, which has to be above 0: likelihood and samples are exact, at the cost of a transform.
@@ -217,6 +218,11 @@ def log_likelihood(model: GaussMarkov, field: ArrayLike) -> float:
     model : GaussMarkov
     field : array_like, shape (rows, columns) or (frames, rows, columns)
         Periodic along every axis [u]; for pictures cut from a larger sea see :mod:`seaglint.textures.gauss_markov_fit`.
+
+    Returns
+    -------
+    float
+        Log likelihood [nat].
 
     Raises
     ------

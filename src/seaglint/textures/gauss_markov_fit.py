@@ -263,6 +263,11 @@ def fit(
     start : sequence of float, optional
         Coefficients to begin at, which the optimum does not depend on; 0 by default.
 
+    Returns
+    -------
+    GaussMarkovFit
+        The field with standard errors and its log likelihood.
+
     Raises
     ------
     DataError
@@ -347,6 +352,11 @@ def choose(data: Covariances, among: Sequence[Offset], most: int = 16) -> GaussM
         Pairs to choose from.
     most : int
         Largest number of pairs.
+
+    Returns
+    -------
+    GaussMarkovFit
+        The fit of the neighbourhood that is chosen.
 
     Raises
     ------

@@ -72,6 +72,8 @@ def log_choices(levels: NDArray[Any], most: int) -> NDArray[np.float64]:
 def conditional_log_likelihood(image: IntArray, model: Autobinomial, *, periodic: bool = False) -> float:
     """Return the log probability of a pixel given its neighbours, mean over a picture [nat]: the measure for pictures held out of the fit.
 
+    ``mean_s [x log p + (M - x) log(1 - p) + log binom(M, x)]`` with M the largest grey level and ``p = expit(alpha + sum_k beta_k n_k)``.
+
     Parameters
     ----------
     image : array of int, (rows, columns)

@@ -306,6 +306,11 @@ def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels
     levels : int
         Number of levels.
 
+    Returns
+    -------
+    dict of float
+        Features [1] by name.
+
     Examples
     --------
     >>> features = cooccurrence(np.indices((8, 8)).sum(axis=0)[None] % 2, (0.0, 1.0), 2)

@@ -67,6 +67,8 @@ class Modulation:
 def gaussian(shape: Sequence[int], density: Density, seed: int, purpose: str = "texture") -> Field:
     """Sample of a Gaussian field with mean 0 on a torus [(frames, rows, columns)], float32.
 
+    ``x(s) = sum_k sqrt(S(k) / N) g(k) exp(i k s)`` with white complex Gaussian g of variance 1, ``g(-k) = g(k)*``, over N pixels.
+
     Parameters
     ----------
     shape : (int, int, int)
@@ -75,6 +77,11 @@ def gaussian(shape: Sequence[int], density: Density, seed: int, purpose: str = "
         ``density(k)`` is the spectral density at the frequency number k in time [u², (rows, columns // 2 + 1)].
     seed, purpose : int, str
         Key of the random stream; each frequency in time has its own, so that threads change no byte.
+
+    Returns
+    -------
+    ndarray
+        The sample [u, (frames, rows, columns)].
 
     Notes
     -----

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.analysis import AnalysisOptions, Recording, analyze
+from seaglint.analysis import AnalysisOptions, analyze
 from seaglint.analysis.analyze_recording import FEWEST_PIXELS
 from seaglint.analysis.recording import survey
 from seaglint.analysis.region import Gatherer
@@ -34,13 +34,6 @@ THRESHOLDS: Final = np.linspace(0.0, 8.0, 81)  #: Thresholds of the plot of rate
 _CURVE: Final = 160  #: Number of points of a distribution's curve.
 
 
-def _frame(source: ViewerSource, index: int, layer: str | None) -> Recording:
-    """Return one frame as a recording; refuse a frame without a value."""
-    if not np.isfinite(source.read(index, layer)).any():
-        raise DataError(f"frame {index}: no pixel of it has a value; choose another frame")
-    return source.recording(layer, only=index)
-
-
 def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | None = None) -> JsonObject:
     """Return moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze`` with a mask.
 
@@ -50,7 +43,7 @@ def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | N
         The region lies outside the image, or has no values.
     """
     chosen = source.layer(layer)
-    recording = _frame(source, index, chosen.name)
+    recording = source.recording(chosen.name, only=index)
     mask = where.mask(recording.rows, recording.columns)
     first = survey(recording, lambda _: None)
     mask &= (first.moments.count > 0) & ~first.dead
@@ -96,10 +89,10 @@ def whole(source: ViewerSource, where: PictureRegion, layer: str | None, only: i
     DataError
         The region lies outside the image, or has too few pixels.
     """
-    recording = source.recording(layer) if only is None else _frame(source, only, layer)
+    recording = source.recording(layer, only=only)
     mask = where.mask(recording.rows, recording.columns)
-    if (pixels := int(mask.sum())) < FEWEST_PIXELS:
-        raise DataError(f"the region has {pixels} pixel{'s' * (pixels != 1)}, too few for statistics; drag one of at least {FEWEST_PIXELS}")
+    if int(mask.sum()) < FEWEST_PIXELS:
+        raise DataError(f"the region has {int(mask.sum())} pixels, too few for statistics; drag one of at least {FEWEST_PIXELS}")
     with absent_numbers():
         analysis = analyze(recording, AnalysisOptions(mask=mask), progress)
     if "glint" not in analysis.regions:
@@ -117,12 +110,18 @@ def exceedances(
 
     Parameters
     ----------
+    source : ViewerSource
+        Recording that is shown.
+    index : int
+        Number of the frame.
     sigma : float
         Threshold above the mean [standard deviations of the filtered frame in the region].
     filter_name : str
         One of ``seaglint.clutter.filters.NAMES``, or ``"none"``.
+    layer : str, optional
+        Layer of the recording; the first by default.
     where : PictureRegion, optional
-        Region; the whole frame by default.
+        Part of the frame; the whole frame by default.
 
     Raises
     ------
@@ -131,7 +130,7 @@ def exceedances(
     """
     if not 0.0 <= sigma <= 100.0:
         raise DataError(f"threshold {sigma:g}: give standard deviations from 0 to 100")
-    recording = _frame(source, index, layer)
+    recording = source.recording(layer, only=index)
     first = survey(recording, lambda _: None)
     mask = (first.moments.count > 0) & ~first.dead
     if where is not None:

@@ -298,6 +298,11 @@ def sounding_profile(
     ozone_ppmv : ndarray, optional
         Ozone of the sounding [1e-6 of the volume, (levels,)], NaN where missing; the model's is joined to it above. By default the model's.
 
+    Returns
+    -------
+    AirProfile
+        The sounding's levels and those of the model atmosphere above it.
+
     Notes
     -----
     Levels of the model closer than 200 m to the sounding's last one are left out. Season and radius of the Earth are LOWTRAN7's for

@@ -57,6 +57,9 @@ def homogeneous_spectrum(
 ) -> PathSpectrum:
     """Compute the transmittance of a path through air of one temperature [K] and pressure [hPa].
 
+    The product of the gases' transmittances and of ``exp(-k length)`` with the extinction ``k = scattering + absorption`` of the aerosol;
+    gases by a fit to numbers of LBLRTM (Pincus, Mlawer and Delamere 2019) or by LOWTRAN7 (Kneizys et al. 1988).
+
     Parameters
     ----------
     temperature_k, pressure_hpa, vapour_pressure_hpa, length_km : float
@@ -70,6 +73,11 @@ def homogeneous_spectrum(
         Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
     haze : HazeWeather
         Aerosol at the sea.
+
+    Returns
+    -------
+    PathSpectrum
+        Transmittance [1] by wavenumber, and its mean over the band.
 
     Raises
     ------

@@ -180,6 +180,11 @@ def with_marine_layer(profile: AirProfile, wind_speed: float, sea_kelvin: float,
     sea_kelvin, air_minus_sea : float
         Temperature of the sea [K], and of the air at 10 m less that [K].
 
+    Returns
+    -------
+    AirProfile
+        The profile with the temperatures and humidities of the bulk law in its lowest air.
+
     Notes
     -----
     The Navy's haze takes the humidity at 10 m, not that at the sea's surface.

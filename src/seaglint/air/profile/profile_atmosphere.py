@@ -180,6 +180,8 @@ class ProfileAtmosphere(ClearAir):
         Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
     rays : GasRays, optional
         Rays shared with the same air in another haze.
+    provenance : mapping, optional
+        Further entries of the record of its origin.
 
     Notes
     -----

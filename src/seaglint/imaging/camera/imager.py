@@ -179,7 +179,8 @@ class Imager:
         Examples
         --------
         >>> eye = Imager("pinhole", 0.2, 0.1, 200, 100)
-        >>> bool(np.allclose(eye.directions(Attitude(np.pi / 2, 0.0), 100, 50), [1.0, 0.0, 0.0]))  # east
+        >>> east = eye.directions(Attitude(np.pi / 2, 0.0), 100, 50)
+        >>> bool(np.allclose(east, [1.0, 0.0, 0.0]))
         True
         """
         x, y = np.broadcast_arrays(np.asarray(across) / self.columns - 0.5, 0.5 - np.asarray(down) / self.rows)

@@ -2,7 +2,8 @@
 
 With ``v`` the unit vector to the viewer, the projected area of facets turned to the viewer per unit area of sea is ::
 
-    A+ = <max(0, v_z - v_h . s)>  =  m Phi(m/d) + d phi(m/d),      m = v_z - v_h . <s>,  d = |v_h| sigma_1
+    A+ = <max(0, v_z - v_h . s)> = m Phi(m/d) + d phi(m/d)
+    m = v_z - v_h . <s>,  d = |v_h| sigma_1
 
 (``sigma_1`` the rms slope along the view azimuth). Only ``m`` of it is visible, so the visible share is ``m/A+ = 1/(1 + Lambda)``.
 ``A+`` is smooth through the horizon, where it is ``sigma_1/sqrt(2 pi)`` (Zeisse 1995), and beyond it; ``Lambda`` is infinite there.

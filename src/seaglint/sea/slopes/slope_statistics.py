@@ -219,6 +219,11 @@ def gaussian_slopes(up: float, cross: float, covariance: float, wind_to_azimuth:
     wind_to_azimuth : float
         Azimuth the wind blows TO [rad].
 
+    Returns
+    -------
+    SlopeStatistics
+        Variances [1] along the principal axes, and the azimuth of the first [rad].
+
     Examples
     --------
     >>> slopes = gaussian_slopes(0.02, 0.01, 0.003, 0.5)

@@ -26,7 +26,8 @@ class CalmSpectrum(DirectionalSpectrum):
     --------
     >>> from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
     >>> lightest = ElfouhailySpectrum(0.5)
-    >>> round(CalmSpectrum(lightest, 0.25).height_variance() / lightest.height_variance(), 6)
+    >>> calm = CalmSpectrum(lightest, 0.25)
+    >>> round(calm.height_variance() / lightest.height_variance(), 6)
     0.25
     """
 
@@ -89,7 +90,8 @@ class CombinedSpectrum(DirectionalSpectrum):
     --------
     >>> from seaglint.sea.spectra import ElfouhailySpectrum, JonswapSpectrum
     >>> sea = CombinedSpectrum((JonswapSpectrum(2.0, 12.0, 1.0), ElfouhailySpectrum(10.0)))
-    >>> round(sea.significant_height(), 2), round((2.0**2 + ElfouhailySpectrum(10.0).significant_height()**2)**0.5, 2)
+    >>> wind_sea = ElfouhailySpectrum(10.0).significant_height()
+    >>> round(sea.significant_height(), 2), round((2.0**2 + wind_sea**2) ** 0.5, 2)
     (3.31, 3.31)
     """
 

@@ -54,7 +54,8 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     Examples
     --------
     >>> from seaglint.scenario.load import parse_scenario
-    >>> small = parse_scenario({"sensor": {"pixels": [8, 4]}, "sea": {"resolve_waves": False}})
+    >>> tables = {"sensor": {"pixels": [8, 4]}, "sea": {"resolve_waves": False}}
+    >>> small = parse_scenario(tables)
     >>> list(image(small, layers=["range"]).data_vars)
     ['radiance', 'range']
     """

@@ -262,7 +262,8 @@ def prepare_sequence(
     Examples
     --------
     >>> from seaglint.scenario.load import parse_scenario
-    >>> small = parse_scenario({"sensor": {"pixels": [8, 4]}, "sea": {"resolve_waves": False}})
+    >>> tables = {"sensor": {"pixels": [8, 4]}, "sea": {"resolve_waves": False}}
+    >>> small = parse_scenario(tables)
     >>> prepare_sequence(small).at(0.0).radiance.shape
     (4, 8)
     """
