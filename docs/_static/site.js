@@ -11,13 +11,20 @@ function copy(text) {
   return Promise.resolve();
 }
 
+/* What to copy: of a session of Python, the lines typed, without their prompts. */
+function program(block) {
+  if (!block.querySelector(".gp")) return block.textContent;
+  const typed = block.textContent.split("\n").filter((line) => /^(>>>|\.\.\.)( |$)/.test(line));
+  return typed.map((line) => `${line.slice(4)}\n`).join("");
+}
+
 for (const block of document.querySelectorAll("div:not(.highlight-output) > div.highlight > pre")) {
   const button = document.createElement("button");
   button.className = "copy";
   button.type = "button";
   button.textContent = "Copy";
   button.addEventListener("click", async () => {
-    await copy(block.textContent);
+    await copy(program(block));
     button.textContent = "Copied";
     button.classList.add("copied");
     setTimeout(() => { button.textContent = "Copy"; button.classList.remove("copied"); }, 1500);

@@ -346,3 +346,15 @@ def test_blocks_are_copied_but_for_what_programs_print(chromium) -> None:
     page.locator("button.copy").first.focus()
     page.keyboard.press("Enter")
     page.wait_for_selector("button.copied", timeout=60_000)
+
+
+@pytest.mark.validation
+def test_sessions_of_python_are_copied_without_prompts(chromium) -> None:
+    page = chromium.new_context(permissions=["clipboard-read", "clipboard-write"]).new_page()
+    page.goto((SITE / "api" / "generated" / "sg.mean.html").as_uri())
+    page.evaluate("navigator.clipboard.writeText = async (text) => { window.copied = text; }")
+    page.locator("div.highlight:has(.gp) button.copy").first.evaluate("button => button.click()")
+    page.wait_for_selector("button.copied", state="attached", timeout=60_000)
+    lines = page.evaluate("window.copied").splitlines()
+    assert lines[0] == "import seaglint as sg"
+    assert len(lines) == 3

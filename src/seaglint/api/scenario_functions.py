@@ -196,7 +196,7 @@ def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Datase
     Raises
     ------
     SeaglintError
-        A condition outside the models; see ``seaglint.studies.build.scenario_physics``.
+        A condition outside the ranges of the models; the message names the value, the range and the remedy.
 
     Examples
     --------
