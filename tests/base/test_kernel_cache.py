@@ -278,6 +278,22 @@ def test_nobody_waits_for_a_process_that_was_killed_while_it_compiled(package: P
     assert waiting.communicate(timeout=HANG)[0].split()[-1] == "7.0"
 
 
+def test_nobody_waits_for_a_function_that_could_not_be_compiled(package: Path) -> None:
+    fails = (
+        "import numba; from seaglint.outer import outer\n"
+        "try: outer('text')\n"
+        "except numba.errors.TypingError: print('failed', flush=True)\n"
+        "input()"
+    )
+    holder = start(package, fails)
+    assert holder.stdout is not None
+    assert holder.stdout.readline() == "failed\n"
+    refuses = "def sleep(seconds): raise SystemExit('waits')\n"
+    waits = f"import types, time; from seaglint.base import kernel_cache as _kernel_cache\n{refuses}_kernel_cache.time.sleep = sleep\n{RUN}"
+    assert answer(package, waits) == "7.0 7.0"
+    holder.communicate("\n")
+
+
 def test_the_private_names_of_numba_are_there(package: Path) -> None:
     # a version that renames them must be met here, not by programs that load each other's code
     code = (

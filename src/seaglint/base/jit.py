@@ -104,12 +104,17 @@ def _take_turns(compiled: Any, folder: Path) -> None:
     """
     cache = compiled._cache
     load, save, name = cache.load_overload, cache.save_overload, cache._cache_file._index_name
+    translate = compiled._compiler.compile
 
     def load_or_wait(*arguments: Any) -> Any:
         overload = load(*arguments)
         if overload is None:
             take_turn(folder, name)
-            overload = load(*arguments)
+            try:
+                overload = load(*arguments)
+            except BaseException:
+                end_turn(folder, name)
+                raise
             if overload is not None:
                 end_turn(folder, name)
         return overload
@@ -122,7 +127,15 @@ def _take_turns(compiled: Any, folder: Path) -> None:
         finally:
             end_turn(folder, name)
 
+    def compile_or_end_turn(*arguments: Any) -> Any:
+        try:
+            return translate(*arguments)
+        except BaseException:  # what cannot be compiled, or an interruption: others would wait for this process
+            end_turn(folder, name)
+            raise
+
     cache.load_overload, cache.save_overload = load_or_wait, save_and_end_turn
+    compiled._compiler.compile = compile_or_end_turn
 
 
 @cache
