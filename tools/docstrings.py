@@ -19,7 +19,6 @@ from types import ModuleType
 from typing import Any
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "docs" / "_ext"))
-os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels then are plain functions with docstrings
 
 from docutils import nodes, utils
 from docutils.frontend import get_default_settings
@@ -122,6 +121,7 @@ def errors_of(module: ModuleType) -> Iterator[str]:
 
 def main() -> int:
     """Print all errors and return how many there are, at most 1."""
+    os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels then are plain functions with docstrings
     for role in ROLES:
         roles.register_generic_role(role, nodes.literal)
     for name in ("code-block", "seealso", "versionadded", "only"):
