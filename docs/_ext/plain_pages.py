@@ -70,7 +70,7 @@ def played(match: re.Match[str]) -> str:
     """Return a video that is read when it is played; where a browser cannot play it, a link."""
     words, poster, path = (escape(match[name]) for name in ("words", "poster", "path"))
     return (
-        f'<video controls muted loop playsinline preload="none" poster="{poster}" aria-label="{words}">'
+        f'<video controls muted loop playsinline preload="metadata" poster="{poster}" aria-label="{words}">'
         f'<source src="{path}" type="video/mp4"><a href="{path}">{words}</a></video>'
     )
 

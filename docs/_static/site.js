@@ -24,8 +24,7 @@ for (const block of document.querySelectorAll("div:not(.highlight-output) > div.
   button.type = "button";
   button.textContent = "Copy";
   button.addEventListener("click", async () => {
-    await copy(program(block));
-    button.textContent = "Copied";
+    button.textContent = await copy(program(block)).then(() => "Copied", () => "Not copied");
     button.classList.add("copied");
     setTimeout(() => { button.textContent = "Copy"; button.classList.remove("copied"); }, 1500);
   });

@@ -39,13 +39,26 @@ scene = sg.load(
         "objects": objects,
     }
 )
-kelvin = sg.apparent_temperature(sg.image(scene).radiance).assign_coords(x=range(scene.sensor.pixels[0]))
+kelvin = sg.apparent_temperature(sg.image(scene).radiance).assign_coords(
+    x=range(scene.sensor.pixels[0])
+)
 figure, axes = plt.subplots(figsize=(12, 3.2), layout="constrained")
 bearing = (kelvin.azimuth + 180) % 360 - 180
 shown = axes.pcolormesh(
-    bearing, kelvin.elevation, kelvin, cmap="gray", vmin=float(kelvin.quantile(0.02)), vmax=float(kelvin.quantile(0.995))
+    bearing,
+    kelvin.elevation,
+    kelvin,
+    cmap="gray",
+    vmin=float(kelvin.quantile(0.02)),
+    vmax=float(kelvin.quantile(0.995)),
 )
-axes.axhline(-math.degrees(math.sqrt(2 * 10 / EFFECTIVE_EARTH_RADIUS)), color="tab:orange", lw=0.8, xmax=0.03, label="sea horizon")
+axes.axhline(
+    -math.degrees(math.sqrt(2 * 10 / EFFECTIVE_EARTH_RADIUS)),
+    color="tab:orange",
+    lw=0.8,
+    xmax=0.03,
+    label="sea horizon",
+)
 for km, at in SHIPS.items():
     axes.text(at, 0.41, f"{km} km", ha="center", color="tab:orange")
 axes.legend(loc="lower right", fontsize=8)

@@ -30,14 +30,38 @@ for bearing in bearings:
             "sea": {"shortest_wave_m": 8} if SMALL else {},
         }
     )
-    found = sg.detect(scene, CONTRASTS, threshold=4.0, frames=2 if SMALL else 6, injections=200 if SMALL else 1000)
+    found = sg.detect(
+        scene,
+        CONTRASTS,
+        threshold=4.0,
+        frames=2 if SMALL else 6,
+        injections=200 if SMALL else 1000,
+    )
     shares.append([entry["p_d"] for entry in found["sweep"]])
-figure, axes = plt.subplots(figsize=(5.6, 5.2), subplot_kw={"projection": "polar"}, layout="constrained")
+figure, axes = plt.subplots(
+    figsize=(5.6, 5.2), subplot_kw={"projection": "polar"}, layout="constrained"
+)
 axes.set_theta_zero_location("N")
 axes.set_theta_direction(-1)
 for contrast, share in zip(CONTRASTS, np.array([*shares, shares[0]]).T, strict=True):
-    axes.plot(np.radians([*bearings, bearings[0]]), share, marker="o", ms=3, label=f"{contrast:g} W m⁻² sr⁻¹")
-axes.plot(np.pi, 1.0, marker="*", ms=18, color="gold", mec="k", ls="none", clip_on=False, label="Sun, 22° high")
+    axes.plot(
+        np.radians([*bearings, bearings[0]]),
+        share,
+        marker="o",
+        ms=3,
+        label=f"{contrast:g} W m⁻² sr⁻¹",
+    )
+axes.plot(
+    np.pi,
+    1.0,
+    marker="*",
+    ms=18,
+    color="gold",
+    mec="k",
+    ls="none",
+    clip_on=False,
+    label="Sun, 22° high",
+)
 axes.set(ylim=(0, 1), title="P_d of a point")
 axes.legend(loc="lower left", bbox_to_anchor=(-0.2, -0.1), fontsize=8)
 figure.savefig("detection_polar.png", dpi=90)

@@ -29,10 +29,20 @@ for band, colour in {(3.5, 5.0): "tab:blue", (8.0, 12.0): "tab:red"}.items():
             }
         )
         kelvin = sg.apparent_temperature(sg.mean(scene).radiance).isel(x=0)
-        axes.plot(kelvin.elevation, kelvin, style, color=colour, label=f"{band[0]:g}-{band[1]:g} µm, {speed} m/s")
+        axes.plot(
+            kelvin.elevation,
+            kelvin,
+            style,
+            color=colour,
+            label=f"{band[0]:g}-{band[1]:g} µm, {speed} m/s",
+        )
 axes.axhline(290, color="0.7", lw=0.8)
 axes.text(-29.5, 290.05, "water", color="0.5", fontsize=8)
-axes.set(xlabel="elevation [deg]", ylabel="apparent temperature [K]", title="from 30 m, no Sun, midlatitude summer")
+axes.set(
+    xlabel="elevation [deg]",
+    ylabel="apparent temperature [K]",
+    title="from 30 m, no Sun, midlatitude summer",
+)
 axes.legend(fontsize=8, loc="upper left")
 axes.grid(alpha=0.3)
 figure.savefig("elevation_profile.png", dpi=90)

@@ -14,12 +14,29 @@ from seaglint.studies.ensemble.render_ensemble import draw
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 laws = [
     {"key": "wind.speed_m_s", "law": "uniform", "min": 2, "max": 14},
-    {"key": "sun.zenith_deg", "law": "normal", "mean": 65, "standard_deviation": 10, "min": 40, "max": 85},
+    {
+        "key": "sun.zenith_deg",
+        "law": "normal",
+        "mean": 65,
+        "standard_deviation": 10,
+        "min": 40,
+        "max": 85,
+    },
 ]
-figure, panels = plt.subplots(1, 3, figsize=(9, 3.4), sharex=True, sharey=True, layout="constrained")
+figure, panels = plt.subplots(
+    1, 3, figsize=(9, 3.4), sharex=True, sharey=True, layout="constrained"
+)
 for axes, sampling in zip(panels, ("random", "latin_hypercube", "sobol"), strict=True):
     ensemble = {"scenes": 8 if SMALL else 32, "seed": 5, "sampling": sampling}
-    scenes = draw(parse_ensemble({"base": {"sensor": {"pixels": [32, 32]}}, "ensemble": ensemble, "vary": laws}))
+    scenes = draw(
+        parse_ensemble(
+            {
+                "base": {"sensor": {"pixels": [32, 32]}},
+                "ensemble": ensemble,
+                "vary": laws,
+            }
+        )
+    )
     wind = [scene.scenario.wind.speed_m_s for scene in scenes]
     sun = [scene.parameters["sun.zenith_deg"] for scene in scenes]
     axes.scatter(wind, sun, s=18, alpha=0.8)

@@ -28,16 +28,35 @@ scene = sg.load(
         "sea": {"shortest_wave_m": 8 if SMALL else 0.5},
     }
 )
-seas = [sg.image(scene.model_copy(update={"seed": s}), layers=["glint_radiance"]).glint_radiance.values for s in range(2 if SMALL else 12)]
+seas = [
+    sg.image(
+        scene.model_copy(update={"seed": s}), layers=["glint_radiance"]
+    ).glint_radiance.values
+    for s in range(2 if SMALL else 12)
+]
 values = np.concatenate([sea.ravel() for sea in seas])
 mean, deviation = values.mean(), values.std()
 sigma = np.linspace(0, 8, 100)
 level = mean + sigma * deviation
 figure, axes = plt.subplots(figsize=(6.4, 4.6), layout="constrained")
-axes.semilogy(sigma, [max(np.mean(values > v), 1e-9) for v in level], "k.", ms=3, label="pixels of rendered seas")
-axes.semilogy(sigma, stats.gamma.sf(level, (mean / deviation) ** 2, scale=deviation**2 / mean), label="gamma, same mean and variance")
+axes.semilogy(
+    sigma,
+    [max(np.mean(values > v), 1e-9) for v in level],
+    "k.",
+    ms=3,
+    label="pixels of rendered seas",
+)
+axes.semilogy(
+    sigma,
+    stats.gamma.sf(level, (mean / deviation) ** 2, scale=deviation**2 / mean),
+    label="gamma, same mean and variance",
+)
 axes.semilogy(sigma, stats.norm.sf(sigma), label="Gaussian")
-axes.set(ylim=(1e-6, 1), xlabel="threshold above the mean [standard deviations]", ylabel="share of pixels above [1]")
+axes.set(
+    ylim=(1e-6, 1),
+    xlabel="threshold above the mean [standard deviations]",
+    ylabel="share of pixels above [1]",
+)
 axes.grid(alpha=0.3)
 axes.legend()
 figure.savefig("gamma_tails.png", dpi=90)

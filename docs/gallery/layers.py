@@ -11,7 +11,12 @@ import matplotlib.pyplot as plt
 import seaglint as sg
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
-PARTS = {"path_radiance": "air", "emitted_radiance": "emitted by the sea", "sky_radiance": "mirrored sky", "glint_radiance": "mirrored Sun"}
+PARTS = {
+    "path_radiance": "air",
+    "emitted_radiance": "emitted by the sea",
+    "sky_radiance": "mirrored sky",
+    "glint_radiance": "mirrored Sun",
+}
 scene = sg.load(
     {
         "sun": {"zenith_deg": 72, "azimuth_deg": 180},
@@ -27,10 +32,17 @@ scene = sg.load(
     }
 )
 image = sg.image(scene, layers=list(PARTS))
-figure, panels = plt.subplots(2, 2, figsize=(9.6, 6.2), sharex=True, sharey=True, layout="constrained")
+figure, panels = plt.subplots(
+    2, 2, figsize=(9.6, 6.2), sharex=True, sharey=True, layout="constrained"
+)
 for axes, (name, title) in zip(panels.flat, PARTS.items(), strict=True):
     image[name].where(image.elevation < -0.3).plot(
-        ax=axes, x="azimuth", y="elevation", cmap="inferno", robust=True, cbar_kwargs={"label": "W m⁻² sr⁻¹"}
+        ax=axes,
+        x="azimuth",
+        y="elevation",
+        cmap="inferno",
+        robust=True,
+        cbar_kwargs={"label": "W m⁻² sr⁻¹"},
     )
     axes.set(title=title, xlabel="azimuth [deg]", ylabel="elevation [deg]")
 figure.savefig("layers.png", dpi=100)

@@ -27,9 +27,22 @@ scene = sg.load(
 )
 found = likelihood_map(scene, step=10 if SMALL else 2)
 chance = 100 * found.probability.isel(threshold=0)
-figure, panels = plt.subplots(2, 2, figsize=(9.6, 7), sharex=True, sharey=True, layout="constrained")
-for axes, (month, name) in zip(panels.flat, {1: "January", 4: "April", 7: "July", 10: "October"}.items(), strict=True):
-    shown = axes.pcolormesh(chance.longitude, chance.latitude, chance.sel(month=month), cmap="magma", vmin=0, vmax=chance.max())
+figure, panels = plt.subplots(
+    2, 2, figsize=(9.6, 7), sharex=True, sharey=True, layout="constrained"
+)
+for axes, (month, name) in zip(
+    panels.flat,
+    {1: "January", 4: "April", 7: "July", 10: "October"}.items(),
+    strict=True,
+):
+    shown = axes.pcolormesh(
+        chance.longitude,
+        chance.latitude,
+        chance.sel(month=month),
+        cmap="magma",
+        vmin=0,
+        vmax=chance.max(),
+    )
     axes.set(title=name, xlabel="longitude [deg]", ylabel="latitude [deg]")
 figure.colorbar(shown, ax=panels, label="looks that meet glint [%]")
 figure.savefig("likelihood_map.png", dpi=90)

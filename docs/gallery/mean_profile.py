@@ -25,12 +25,30 @@ scene = sg.load(
 )
 found = sg.mean(scene)
 middle = found.isel(x=found.sizes["x"] // 2)
-figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), sharey=True, width_ratios=(2, 1), layout="constrained")
-found.radiance.plot(ax=left, x="azimuth", y="elevation", cmap="inferno", cbar_kwargs={"label": "mean radiance [W m⁻² sr⁻¹]"})
-for name, label in {"path": "air", "emitted": "emitted", "sky": "sky", "glint": "glint"}.items():
+figure, (left, right) = plt.subplots(
+    1, 2, figsize=(11, 4.2), sharey=True, width_ratios=(2, 1), layout="constrained"
+)
+found.radiance.plot(
+    ax=left,
+    x="azimuth",
+    y="elevation",
+    cmap="inferno",
+    cbar_kwargs={"label": "mean radiance [W m⁻² sr⁻¹]"},
+)
+for name, label in {
+    "path": "air",
+    "emitted": "emitted",
+    "sky": "sky",
+    "glint": "glint",
+}.items():
     right.plot(middle[f"{name}_radiance"], middle.elevation, label=label)
 right.plot(middle.radiance, middle.elevation, "k--", label="all")
 left.set(xlabel="azimuth [deg]", ylabel="elevation [deg]")
-right.set(xlabel="radiance [W m⁻² sr⁻¹]", xscale="log", xlim=(0.05, 30), title="down the middle")
+right.set(
+    xlabel="radiance [W m⁻² sr⁻¹]",
+    xscale="log",
+    xlim=(0.05, 30),
+    title="down the middle",
+)
 right.legend(fontsize=8)
 figure.savefig("mean_profile.png", dpi=90)

@@ -27,7 +27,18 @@ scene = sg.load(
 )
 kelvin = sg.apparent_temperature(sg.image(scene).radiance)
 figure, axes = plt.subplots(figsize=(12, 3.4), layout="constrained")
-kelvin.plot(x="azimuth", y="elevation", cmap="gray", vmin=289.5, vmax=298, cbar_kwargs={"label": "apparent temperature [K]"})
+kelvin.plot(
+    x="azimuth",
+    y="elevation",
+    cmap="gray",
+    vmin=289.5,
+    vmax=298,
+    cbar_kwargs={"label": "apparent temperature [K]"},
+)
 axes.set_xticks(range(0, 361, 45), ["N", "NE", "E", "SE", "S", "SW", "W", "NW", "N"])
-axes.set(xlabel="azimuth", ylabel="elevation [deg]", title="Sun 18° high in the south-west, wind of 8 m/s from west-north-west")
+axes.set(
+    xlabel="azimuth",
+    ylabel="elevation [deg]",
+    title="Sun 18° high in the south-west, wind of 8 m/s from west-north-west",
+)
 figure.savefig("panorama.png", dpi=90)

@@ -30,7 +30,13 @@ scene = sg.load(
 kelvin = sg.apparent_temperature(sg.image(scene).radiance)
 half = 150 * np.tan(np.radians(25))
 figure, axes = plt.subplots(figsize=(6.6, 5.6), layout="constrained")
-shown = axes.imshow(kelvin, cmap="gray", extent=(-half, half, -half, half), vmin=289, vmax=312)
+shown = axes.imshow(
+    kelvin, cmap="gray", extent=(-half, half, -half, half), vmin=289, vmax=312
+)
 figure.colorbar(shown, label="apparent temperature [K]", extend="max")
-axes.set(xlabel="east [m]", ylabel="north [m]", title="from 150 m, Sun 70° high in the south-east, west wind of 7 m/s")
+axes.set(
+    xlabel="east [m]",
+    ylabel="north [m]",
+    title="from 150 m, Sun 70° high in the south-east, west wind of 7 m/s",
+)
 figure.savefig("plan_view.png", dpi=100)

@@ -34,7 +34,16 @@ with tempfile.TemporaryDirectory() as folder:
     kelvin = sg.apparent_temperature(run.radiance.isel(x=2).load().rename(y="row"))
 figure, axes = plt.subplots(figsize=(8.4, 4.6), layout="constrained")
 low, high = kelvin.quantile([0.01, 0.99])
-shown = axes.pcolormesh(kelvin.time, run.elevation, kelvin.transpose("row", "time"), cmap="gray", vmin=low, vmax=high)
+shown = axes.pcolormesh(
+    kelvin.time,
+    run.elevation,
+    kelvin.transpose("row", "time"),
+    cmap="gray",
+    vmin=low,
+    vmax=high,
+)
 figure.colorbar(shown, label="apparent temperature, 8-12 µm [K]", extend="both")
-axes.set(xlabel="time [s]", ylabel="elevation [deg]", title="from 40 m, into a wind of 9 m/s")
+axes.set(
+    xlabel="time [s]", ylabel="elevation [deg]", title="from 40 m, into a wind of 9 m/s"
+)
 figure.savefig("range_time.png", dpi=90)

@@ -26,7 +26,10 @@ for line, name in zip(panels, NAMES, strict=True):
     tables["sensor"] |= {"pixels": [32, 20] if SMALL else [160, 100], "frames": 1}
     with tempfile.TemporaryDirectory() as folder:
         run = sg.render(sg.load(tables), f"{folder}/run.zarr", radiance=True)
-        pictures = {"at the aperture": run.radiance.load(), "from the counts": run.load()}
+        pictures = {
+            "at the aperture": run.radiance.load(),
+            "from the counts": run.load(),
+        }
     for axes, (where, seen) in zip(line, pictures.items(), strict=True):
         kelvin = sg.apparent_temperature(seen).isel(time=0)
         low, high = kelvin.quantile([0.01, 0.99])

@@ -27,6 +27,16 @@ scene = sg.load(
 )
 radiance = sg.image(scene).radiance
 figure, axes = plt.subplots(figsize=(9.6, 4.4), layout="constrained")
-radiance.plot(x="azimuth", y="elevation", cmap="inferno", norm=LogNorm(1, 30), cbar_kwargs={"label": "radiance, 3.5-5 µm [W m⁻² sr⁻¹]"})
-axes.set(title="sensor at 15 m, Sun 2° above the horizon", xlabel="azimuth [deg]", ylabel="elevation [deg]")
+radiance.plot(
+    x="azimuth",
+    y="elevation",
+    cmap="inferno",
+    norm=LogNorm(1, 30),
+    cbar_kwargs={"label": "radiance, 3.5-5 µm [W m⁻² sr⁻¹]"},
+)
+axes.set(
+    title="sensor at 15 m, Sun 2° above the horizon",
+    xlabel="azimuth [deg]",
+    ylabel="elevation [deg]",
+)
 figure.savefig("sunset.png", dpi=100)

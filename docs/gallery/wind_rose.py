@@ -22,6 +22,13 @@ month = rng.integers(1, 13, hours)
 with tempfile.TemporaryDirectory() as folder:
     rows = np.column_stack([speed, towards, cover, month])
     heads = "wind_speed_m_s,wind_from_deg,cloud_cover,month"
-    np.savetxt(f"{folder}/made-up.csv", rows, fmt=["%.2f", "%.1f", "%.3f", "%d"], delimiter=",", header=heads, comments="")
+    np.savetxt(
+        f"{folder}/made-up.csv",
+        rows,
+        fmt=["%.2f", "%.1f", "%.3f", "%d"],
+        delimiter=",",
+        header=heads,
+        comments="",
+    )
     _, facts = describe(f"{folder}/made-up.csv")
 write_weather_plot(facts, Path("wind_rose.png"))
