@@ -157,6 +157,8 @@ async function follow() {
     courses = { ...result, names };
     $("courses").dataset.means = JSON.stringify(result.means);
     recourse();
+    const without = names.filter((_, i) => result.left_out[i]);
+    if (without.length) $("courses-progress").textContent = `left out, outside the picture: ${without.join(", ")}`;
   } catch (error) { $("courses-progress").textContent = error.message; }
   $("courses-run").disabled = false;
 }
@@ -168,7 +170,7 @@ export function recourse() {
   $("courses-where").textContent = `means of ${short(courses.label)}`;
   const { xs, x, now } = course(courses);
   plots.courses.set({
-    series: courses.means.map((values, i) => ({ name: courses.names[i], colour: colourOf(i, INK.series), xs, values })),
+    series: courses.means.map((values, i) => ({ name: courses.names[i], colour: colourOf(i, INK.series), xs, values })).filter((_, i) => !courses.left_out[i]),
     x, y: { name: `mean of ${short(courses.label)}`, unit: courses.unit }, now,
   });
 }
@@ -177,6 +179,7 @@ export function recourse() {
 export function forget() {
   courses = null;
   recourse();
+  $("courses-progress").textContent = "";
   $("analysis").textContent = "";
   $("analysis-save").hidden = true;
 }
@@ -218,7 +221,7 @@ export function bindRegions(page) {
   $("regions-load").addEventListener("change", async () => {
     const [file] = $("regions-load").files;
     if (!file) return;
-    try { take((await json("/api/load/regions", { method: "POST", body: file })).regions); changed(); say(null); } catch (error) { say(error); }
+    try { take((await json(`/api/load/regions?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file })).regions); forget(); changed(); say(null); } catch (error) { say(error); }
     $("regions-load").value = "";
   });
   return changed;
