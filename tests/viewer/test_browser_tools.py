@@ -127,6 +127,31 @@ def test_three_shapes_their_statistics_and_their_courses(seen):
     seen.on("message").filter(has_text="the first line must be").wait_for()
 
 
+def test_a_double_click_closes_a_polygon_and_another_tool_keeps_it_open(seen):
+    seen.on("tool-polygon").click()
+    for corner in [(40, 30), (60, 32)]:
+        seen.page.mouse.click(*seen.at(*corner))
+    seen.on("tool-line").click()
+    assert "a polygon of 2 corners is open" in seen.on("tool-told").text_content()
+    seen.on("tool-polygon").click()
+    seen.page.mouse.dblclick(*seen.at(50, 44))  # the last corner
+    seen.until(MADE.format(1))
+    for corner in [(10, 10), (30, 10), (20, 30)]:
+        seen.page.mouse.click(*seen.at(*corner))
+    seen.page.mouse.dblclick(*seen.at(10, 10))  # the first corner again
+    seen.until(MADE.format(2))
+    assert (len(numbers(seen)), len(numbers(seen, 1))) == (6, 6)
+    assert seen.page.evaluate("seaglint.state.draft.length") == 0
+    outside = to_csv([PictureRegion("rectangle", (900, 0, 5, 5), "far")]).encode()
+    seen.on("regions-load").set_input_files({"name": "far.csv", "mimeType": "text/csv", "buffer": outside})
+    seen.until("document.querySelector('#regions .reason')")
+    seen.on("courses-run").click()
+    seen.until("document.getElementById('courses').dataset.means")
+    seen.until("document.getElementById('courses-progress').textContent.startsWith('left out, outside the picture: ')")
+    assert seen.on("courses-progress").text_content().endswith(": far")
+    assert point(seen, "courses", 0.5).count(",") == 1
+
+
 def test_regions_go_to_imagej_and_come_back(seen):
     pytest.importorskip("roifile", reason="roifile is not installed")
     seen.drag((5, 4), (24, 13))
@@ -313,6 +338,9 @@ def test_a_finger_probes_and_marks_a_region_on_a_phone(chromium, store):
     assert seen.on("probe-line").text_content() == f"column 40, row 30: {float(f'{radiance(0)[30, 40]:.5g}'):g} W m⁻² sr⁻¹"
     sizes = "[...document.querySelectorAll('button')].filter((b) => b.offsetParent).map((b) => Math.min(b.offsetWidth, b.offsetHeight))"
     assert min(seen.page.evaluate(sizes)) >= 40
+    for part in ("summary", "label.switch", "input[type=file]"):
+        heights = f"[...document.querySelectorAll('{part}')].filter((e) => e.offsetParent).map((e) => e.offsetHeight)"
+        assert min(seen.page.evaluate(heights)) >= 40
     seen.on("tool-polygon").tap()
     seen.page.evaluate("scrollTo(0, 0)")
     for corner in [(10, 10), (40, 12), (20, 40), (10, 10)]:

@@ -111,6 +111,17 @@ def test_courses_are_the_means_of_every_frame(store, gaps):
     assert courses(open_source(gaps[0]), [PictureRegion.rectangle(4, 3, 3, 3)], None, nothing)["means"][0][2] is None
 
 
+def test_a_region_outside_the_picture_leaves_the_means_of_the_others(store):
+    outside = PictureRegion.rectangle(1000, 0, 5, 5)
+    told = courses(open_source(store), [REGIONS[0], outside, REGIONS[1]], "radiance", nothing)
+    alone = courses(open_source(store), REGIONS[:2], "radiance", nothing)
+    assert [told["means"][0], told["means"][2]] == alone["means"]
+    assert [reason is not None for reason in told["left_out"]] == [False, True, False]
+    assert f"outside the image of {ROWS} rows" in told["left_out"][1]
+    with pytest.raises(DataError, match="outside the image"):
+        courses(open_source(store), [outside], "radiance", nothing)
+
+
 def test_pictures_over_time_are_those_of_numpy_and_become_layers(gaps):
     path, values = gaps
     source = open_source(path)
@@ -167,8 +178,10 @@ def test_csv_gives_the_regions_back():
     assert of_csv(to_csv(REGIONS)) == REGIONS
     with pytest.raises(DataError, match="first line must be 'name,shape,numbers'"):
         of_csv("a,b\n1,2\n")
-    with pytest.raises(DataError, match="row 2 has 2 cells"):
-        of_csv("name,shape,numbers\nx,rectangle\n")
+    with pytest.raises(DataError, match="line 3: has 2 cells"):
+        of_csv("name,shape,numbers\n\nx,rectangle\n")
+    with pytest.raises(DataError, match=r"mine\.csv, line 2: region 'circle': allowed are"):
+        of_file(b"name,shape,numbers\nx,circle,1 2 3 4\n", "mine.csv")
     for content in (b"\xff\xfe", b"name,shape,numbers\n"):
         with pytest.raises(DataError, match=r"neither CSV nor a file of ImageJ|0 regions"):
             of_file(content)

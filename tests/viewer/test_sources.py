@@ -86,6 +86,21 @@ def test_region_is_what_analyze_tells(store, only):
         assert np.sum(np.diff(edges) * density) == pytest.approx(1.0)
 
 
+def test_fits_of_a_temperature_do_not_depend_on_the_unit_displayed(store):
+    where, source = PictureRegion.rectangle(8, 6, 30, 25), open_source(store)
+    layers = ("apparent_temperature", "apparent_temperature_celsius")
+    kelvin, celsius = (quick(source, 4, where, layer) for layer in layers)
+    assert celsius["mean"] == pytest.approx(kelvin["mean"] - 273.15, abs=1e-4)
+    assert (celsius["unit"], celsius["fits_unit"]) == ("°C", "K")
+    for family, fitted in kelvin["fits"].items():
+        assert celsius["fits"][family]["shape"] == fitted["shape"]
+        assert celsius["fits"][family]["density"] == pytest.approx(fitted["density"], rel=1e-3)
+    first, second = (whole(source, where, layer, 4, lambda done, total: None) for layer in layers)
+    nearest = [min((fit["ks"], name) for name, fit in found["fits"].items() if fit["ks"] is not None) for found in (first, second)]
+    assert nearest[0] == nearest[1]
+    assert first["units"] == second["units"] == "K"
+
+
 def test_threshold_counts_as_analyze_does(store):
     source = open_source(store)
     told, above = exceedances(source, 2, 3.0, "laplacian")

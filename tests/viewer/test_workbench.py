@@ -23,7 +23,7 @@ from seaglint.scenario.sun import sun_position
 from seaglint.viewer.workbench.bench import Redraw
 from seaglint.viewer.workbench.scenario_draft import Draft, Field, Group, file_keys, form, keys_of, value_of
 from seaglint.viewer.workbench.small_pictures import Order, Overtaken, Painter, PreviewPicture, reduced
-from seaglint.viewer.workbench.sun_card import clock, day_of, day_svg
+from seaglint.viewer.workbench.sun_card import clock, dated, day_of, day_svg
 from seaglint.viewer.workbench.svg_pictures import map_svg, plan, plan_svg, reach, rings, value_at
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -427,5 +427,20 @@ def test_the_day_has_the_sun_where_the_scenario_has_it():
     (rise,), (fall,) = day.risings()
     assert rise == pytest.approx(noon - half, abs=2.0)
     assert fall == pytest.approx((noon + half) % 1440, abs=2.0)
+    assert day.words(0).startswith("00:00 UTC: elevation ")
+    assert "elevation \u2212" in day_of(date(2026, 6, 21), 36.8, 104.1).words(17 * 60 + 30)
     assert clock(rise) in ("09:46", "09:47", "09:48")
     ElementTree.fromstring(day_svg(day, 1050))
+
+
+def test_the_day_of_a_sun_at_the_zenith_has_it_there():
+    changed, _ = dated(parse_scenario({"sun": {"zenith_deg": 0.0, "azimuth_deg": 0.0}}))
+    moment, place, sun = changed.time.utc, changed.place, sun_position(changed)
+    day = day_of(moment.date(), place.latitude_deg, place.longitude_deg)
+    elevation, _ = day.at(moment.hour * 60 + moment.minute + moment.second / 60)
+    assert elevation == pytest.approx(90 - np.degrees(sun.zenith), abs=0.02)
+    assert elevation > 89.95
+    exact = sun_position(parse_scenario({"time": {"utc": moment.replace(second=0, microsecond=0)}, "place": place.model_dump()}))
+    elevation, azimuth = day.at(moment.hour * 60 + moment.minute)
+    assert elevation == pytest.approx(90 - np.degrees(exact.zenith), abs=1e-3)
+    assert azimuth == pytest.approx(np.degrees(exact.azimuth), abs=0.1)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.constants import zero_Celsius
 
-from seaglint.analysis import AnalysisOptions, analyze
+from seaglint.analysis import AnalysisOptions, Recording, analyze
 from seaglint.analysis.analyze_recording import FEWEST_PIXELS
 from seaglint.analysis.recording import survey
 from seaglint.analysis.region import Gatherer
@@ -18,7 +20,7 @@ from seaglint.base.reports import absent_numbers
 from seaglint.clutter import filters
 from seaglint.clutter.fits import Family, fit
 from seaglint.clutter.thresholds import gaussian_rate, standardise
-from seaglint.viewer.frame_source import ViewerSource
+from seaglint.viewer.frame_source import CELSIUS, ViewerSource
 from seaglint.viewer.regions import BoolArray, PictureRegion
 
 if TYPE_CHECKING:
@@ -34,8 +36,22 @@ THRESHOLDS: Final = np.linspace(0.0, 8.0, 81)  #: Thresholds of the plot of rate
 _CURVE: Final = 160  #: Number of points of a distribution's curve.
 
 
+def in_kelvin(recording: Recording) -> Recording:
+    """Return a recording in degrees Celsius in kelvin, and any other as it is: a distribution must not depend on the unit displayed."""
+    if recording.units != CELSIUS:
+        return recording
+
+    def read(start: int, stop: int) -> NDArray[Any]:
+        return recording.read_block(start, stop) + zero_Celsius
+
+    full = None if recording.saturation is None else recording.saturation + zero_Celsius
+    return replace(recording, units="K", read_block=read, saturation=full)
+
+
 def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | None = None) -> JsonObject:
     """Return moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze`` with a mask.
+
+    Fits of a temperature are made in kelvin, whatever its unit.
 
     Raises
     ------
@@ -50,9 +66,11 @@ def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | N
     if not mask.any():
         raise DataError("the region has no pixel with a value that varies; drag another one")
     moments = first.moments.region(mask)
-    block = recording.read(0, 1)
+    fitted_in = in_kelvin(recording)
+    shift = 0.0 if fitted_in is recording else zero_Celsius
+    block = fitted_in.read(0, 1)
     values, _ = Gatherer(mask, 1, np.zeros(1, np.int64), AnalysisOptions().seed, recording.offset).sample(block, (1e9, 1e9), mask)
-    inside = block[0][mask].astype(np.float64) + recording.offset
+    inside = recording.read(0, 1)[0][mask].astype(np.float64) + recording.offset
     low, high = float(inside.min()), float(inside.max())
     # A region of equal values still needs a range of some width.
     density, edges = np.histogram(inside, bins=BINS, range=(low, high) if high > low else (low - 0.5, low + 0.5), density=True)
@@ -61,7 +79,7 @@ def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | N
     for family in SHOWN:
         fitted = fit(values, family)
         with np.errstate(all="ignore"):
-            curve = [number(float(v)) for v in fitted.pdf(at)] if fitted.is_valid else None
+            curve = [number(float(v)) for v in fitted.pdf(at + shift)] if fitted.is_valid else None
         fits[family] = {"shape": fitted.shape, "loc": fitted.loc, "scale": fitted.scale, "reason": fitted.reason or None, "density": curve}
     return {
         "frame": index,
@@ -77,6 +95,7 @@ def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | N
         "minimum": number(moments.minimum + recording.offset),
         "maximum": number(moments.maximum + recording.offset),
         "fits": fits,
+        "fits_unit": fitted_in.units,
         "histogram": {"edges": edges.tolist(), "density": density.tolist(), "at": at.tolist()},
     }
 
@@ -84,12 +103,14 @@ def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | N
 def whole(source: ViewerSource, where: PictureRegion, layer: str | None, only: int | None, progress: Progress) -> JsonObject:
     """Return all statistics of ``seaglint analyze`` with a mask, for a region of one frame or of all frames that exist.
 
+    Temperatures are analysed in kelvin, whatever their unit.
+
     Raises
     ------
     DataError
         The region lies outside the image, or has too few pixels.
     """
-    recording = source.recording(layer, only=only)
+    recording = in_kelvin(source.recording(layer, only=only))
     mask = where.mask(recording.rows, recording.columns)
     if int(mask.sum()) < FEWEST_PIXELS:
         raise DataError(f"the region has {int(mask.sum())} pixels, too few for statistics; drag one of at least {FEWEST_PIXELS}")

@@ -53,10 +53,10 @@ class Layer:
     @property
     def spread_unit(self) -> str:
         """Return the unit of differences of values: a difference of temperatures has no zero to be shifted."""
-        return "K" if self.unit == _CELSIUS else self.unit
+        return "K" if self.unit == CELSIUS else self.unit
 
 
-_CELSIUS: Final = "°C"
+CELSIUS: Final = "°C"  #: Unit of temperatures in degrees Celsius.
 
 
 @dataclass(frozen=True)
@@ -355,7 +355,7 @@ class ViewerSource:
                 def read(index: int, kelvin: str = layer.name) -> Image:
                     return self.read_once(index, kelvin) - zero_Celsius
 
-                out[name] = replace(layer, name=name, unit=_CELSIUS, read=read, saturation=None)
+                out[name] = replace(layer, name=name, unit=CELSIUS, read=read, saturation=None)
         return out
 
     def add_over_time(self, layer: Layer, images: dict[str, Image], frames: int) -> list[str]:

@@ -70,13 +70,25 @@ def trace(source: ViewerSource, row: int, column: int, layer: str | None, progre
 def courses(source: ViewerSource, regions: Sequence[PictureRegion], layer: str | None, progress: Progress) -> JsonObject:
     """Return the mean of each region in every frame that exists; None in frames where it has no value.
 
+    ``left_out`` has for each region the reason why it has no mean at all, or None.
+
     Raises
     ------
     DataError
-        A region lies outside the image, or the layer does not exist.
+        All regions lie outside the image, or the layer does not exist.
     """
     opened, chosen, frames = source.opened, source.layer(layer), source.done()
-    masks = [np.flatnonzero(region.mask(opened.rows, opened.columns)) for region in regions]
+    masks: list[NDArray[np.intp]] = []
+    reasons: list[str | None] = []
+    for region in regions:
+        try:
+            masks.append(np.flatnonzero(region.mask(opened.rows, opened.columns)))
+            reasons.append(None)
+        except DataError as error:
+            masks.append(np.empty(0, np.intp))
+            reasons.append(str(error))
+    if all(reasons):
+        raise DataError(str(reasons[0]))
     means = np.full((len(masks), frames.size), np.nan)
     for place, frame in enumerate(frames.tolist()):
         if place % _STEP == 0:
@@ -90,6 +102,7 @@ def courses(source: ViewerSource, regions: Sequence[PictureRegion], layer: str |
     return {
         "frames": frames.tolist(),
         "times_s": source.times(frames),
+        "left_out": reasons,
         "means": [[number(value) for value in row] for row in means.tolist()],
         "label": chosen.label,
         "unit": chosen.unit,

@@ -154,22 +154,26 @@ def to_csv(regions: Iterable[PictureRegion]) -> str:
     return csv_text([_HEAD, *((region.name, region.shape, region.text.partition(" ")[2]) for region in regions)])
 
 
-def of_csv(text: str) -> list[PictureRegion]:
-    """Return the regions of a CSV file that ``to_csv`` wrote.
+def of_csv(text: str, source: str = "regions as CSV") -> list[PictureRegion]:
+    """Return the regions of a CSV file that ``to_csv`` wrote; ``source`` names it in errors.
 
     Raises
     ------
     DataError
         The text is no such table.
     """
-    rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
-    if not rows or tuple(cell.strip() for cell in rows[0]) != _HEAD:
-        raise DataError(f"regions as CSV: the first line must be '{','.join(_HEAD)}'; save regions here to see an example")
+    reader = csv.reader(io.StringIO(text))
+    rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    if not rows or tuple(cell.strip() for cell in rows[0][1]) != _HEAD:
+        raise DataError(f"{source}: the first line must be '{','.join(_HEAD)}'; save regions here to see an example")
     out = []
-    for number, row in enumerate(rows[1:], 2):
+    for line, row in rows[1:]:
         if len(row) != len(_HEAD):
-            raise DataError(f"regions as CSV: row {number} has {len(row)} cells; give {', '.join(_HEAD)}")
-        out.append(PictureRegion.of_text(f"{row[1]} {row[2]}", row[0].strip()[:40]))
+            raise DataError(f"{source}, line {line}: has {len(row)} cells; give {', '.join(_HEAD)}")
+        try:
+            out.append(PictureRegion.of_text(f"{row[1]} {row[2]}", row[0].strip()[:40]))
+        except DataError as error:
+            raise DataError(f"{source}, line {line}: {error}") from None
     return out
 
 
@@ -242,8 +246,8 @@ def _of_roi(roifile: object, name: str, content: bytes) -> PictureRegion:
     raise DataError(f"region of ImageJ '{name}': is a {roi.roitype.name.lower()}; allowed are rectangles, ovals and polygons")
 
 
-def of_file(content: bytes) -> list[PictureRegion]:
-    """Return the regions of an uploaded file: CSV, or ImageJ's ``.roi`` or ``.zip``; regions without a name are numbered.
+def of_file(content: bytes, source: str = "file of regions") -> list[PictureRegion]:
+    """Return the regions of an uploaded file: CSV, or ImageJ's ``.roi`` or ``.zip``; ``source`` names it in errors.
 
     Raises
     ------
@@ -254,7 +258,7 @@ def of_file(content: bytes) -> list[PictureRegion]:
         regions = of_imagej(content)
     else:
         try:
-            regions = of_csv(content.decode("utf-8-sig"))
+            regions = of_csv(content.decode("utf-8-sig"), source)
         except (UnicodeDecodeError, csv.Error):
-            raise DataError("file of regions: is neither CSV nor a file of ImageJ (.roi, .zip); give one of them") from None
+            raise DataError(f"{source}: is neither CSV nor a file of ImageJ (.roi, .zip); give one of them") from None
     return check_many(regions)

@@ -456,7 +456,8 @@ class _Pages:
 
     def load_regions(self, request: Request, body: bytes) -> Response:
         """Return the regions of an uploaded file."""
-        return _json({"regions": [[region.text, region.name] for region in of_file(body)]})
+        name = (Query(request).word("name") or "file of regions")[:80]
+        return _json({"regions": [[region.text, region.name] for region in of_file(body, name)]})
 
     def profile(self, request: Request) -> Response:
         """Return the values along a line."""

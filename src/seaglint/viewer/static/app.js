@@ -152,6 +152,7 @@ async function open(frame = state.frame) {
   try {
     const metaA = await json(`/api/source/${a}`), metaB = b === null ? null : await json(`/api/source/${b}`);
     Object.assign(state, { a, b, meta: { a: metaA, b: metaB }, frame, regions: [], chosen: -1, draft: [], line: null, pinned: null, pointer: null, probed: null });
+    choose(state.tool);
     $("difference-box").hidden = b === null;
     if (b === null) $("difference").checked = false;
     arrange();

@@ -1,5 +1,5 @@
 // Plots off which values are read: by pointing, or with the arrow keys when a plot has the focus.
-import { FONT, INK, digits, fitted, minus, power, rate, reading, sized, ticks } from "./tools.js";
+import { FONT, INK, after, digits, fitted, minus, power, rate, reading, sized, ticks } from "./tools.js";
 
 const ROOM = { left: 54, right: 10, top: 8, bottom: 34 }; // at the left more where labels need it
 
@@ -191,17 +191,18 @@ export class Plot {
   /** The values at the mark, or how many are missing. */
   tell(up) {
     const { series, x, y, note, log } = this.data;
-    if (this.held !== null) { this.out.textContent = `limits of the scale: ${this.data.limits.map((v) => reading(v, x.unit)).join(" to ")}${x.unit ? " " + x.unit : ""}`; return; }
+    if (this.held !== null) { this.out.textContent = `limits of the scale: ${this.data.limits.map((v) => reading(v, x.unit)).join(" to ")}${after(x.unit)}`; return; }
     if (!series.length) { this.out.textContent = note || ""; return; }
     if (this.at === null) {
       const all = series.reduce((sum, one) => sum + one.values.length, 0);
       const missing = log || series[0]?.bars ? 0 : series.reduce((sum, one) => sum + one.values.filter((v) => v === null).length, 0);
-      this.out.textContent = !up ? "no value in any of them" : missing ? `${missing} of ${all} values are missing: gaps` : note || "";
+      this.out.textContent = !up ? "no value in any of them" : missing ? `${missing} of ${all} values ${missing === 1 ? "is" : "are"} missing: ${missing === 1 ? "a gap" : "gaps"}` : note || "";
       return;
     }
     const place = series[0].xs[this.at], print = log ? rate : (value) => reading(value, y.unit);
-    const values = series.map((one) => { const value = at(one, place); return `${series.length > 1 ? one.name + " " : ""}${value === null ? "no value" : print(value)}`; });
-    this.out.textContent = `${x.name} ${digits(place, 5)}${x.unit ? " " + x.unit : ""}: ${values.join(", ")}${y.unit ? " " + y.unit : ""}`;
+    const found = series.map((one) => at(one, place)), unit = found.every((value) => value === null) ? "" : after(y.unit);
+    const values = found.map((value, i) => `${series.length > 1 ? series[i].name + " " : ""}${value === null ? "no value" : print(value)}`);
+    this.out.textContent = `${x.name} ${digits(place, 5)}${after(x.unit)}: ${values.join(", ")}${unit}`;
   }
 
   static upright(pen, x, box, colour, dashes) {

@@ -5,15 +5,22 @@ import { grip, moved, resized } from "./shapes.js";
 import { region as chosen, say, state } from "./state.js";
 import { $, latest } from "./tools.js";
 
-export const TOOLS = { pan: "drag moves the picture, or a region by its outline; a click follows the pixel in time", rectangle: "drag from corner to corner", ellipse: "drag from corner to corner of its frame", polygon: "click each corner, then the first one again", line: "drag from end to end" };
+export const TOOLS = { pan: "drag moves the picture, or a region by its outline; a click follows the pixel in time", rectangle: "drag from corner to corner", ellipse: "drag from corner to corner of its frame", polygon: "click each corner, then the first one again, or the last one twice", line: "drag from end to end" };
 
 const bounded = (v, most) => Math.min(Math.max(v, 0), most);
 
+/** What the tool expects; corners of an open polygon stay while another tool is used. */
+function tell() {
+  const many = state.draft.length, corners = `${many} corner${many > 1 ? "s" : ""}`;
+  $("tool-told").textContent = !many ? TOOLS[state.tool] : state.tool === "polygon"
+    ? `${corners}: click the first one again, the last one twice, or press Enter, to close it`
+    : `${TOOLS[state.tool]}; a polygon of ${corners} is open: choose Polygon to continue it, Escape discards it`;
+}
+
 export function choose(tool) {
   state.tool = tool;
-  state.draft = [];
   for (const name of Object.keys(TOOLS)) $(`tool-${name}`).setAttribute("aria-pressed", String(name === tool));
-  $("tool-told").textContent = TOOLS[tool];
+  tell();
 }
 
 /** Whole pixels that a drag covers: left, top, width, height. */
@@ -28,7 +35,7 @@ function frameOf({ columns, rows }, [x0, y0], [x1, y1]) {
  */
 export function pointers(name, pane, page) {
   const { canvas } = pane;
-  let began = null, anchor = null;
+  let began = null, anchor = null, closed = null; // closed: where and when a click closed a polygon
   const moreLater = latest(async () => { await new Promise((go) => setTimeout(go, 60)); page.regions(); });
   const place = (event) => { const box = canvas.getBoundingClientRect(); return [event.clientX - box.left, event.clientY - box.top]; };
   const pixel = (x, y) => {
@@ -51,15 +58,19 @@ export function pointers(name, pane, page) {
   function close() {
     if (state.draft.length > 2) { add("polygon", state.draft.flat()); page.regions(); } else if (state.draft.length) say(new Error("a polygon has 3 corners at least; click further ones"));
     state.draft = [];
+    tell();
     page.redraw();
   }
 
   function corner(x, y) {
-    const { size, left, top } = pane.place(), [first] = state.draft;
-    if (first && Math.hypot(left + first[0] * size - x, top + first[1] * size - y) < 14 && state.draft.length > 2) { close(); return; }
+    const { size, left, top } = pane.place(), away = (at) => (at ? Math.hypot(left + at[0] * size - x, top + at[1] * size - y) : Infinity);
+    const again = away(state.draft.at(-1)) < 5; // a double click has no second corner
+    if (closed && !state.draft.length && performance.now() - closed.time < 500 && Math.hypot(x - closed.x, y - closed.y) < 5) return;
+    if (state.draft.length > 2 && (again || away(state.draft[0]) < 14)) { closed = { x, y, time: performance.now() }; close(); return; }
+    if (again) return;
     const { columns, rows } = pane.meta, [column, row] = pane.at(x, y);
     state.draft.push([bounded(column, columns), bounded(row, rows)].map((v) => Math.round(10 * v) / 10));
-    $("tool-told").textContent = `${state.draft.length} corner${state.draft.length > 1 ? "s" : ""}: click the first one again, or press Enter, to close it`;
+    tell();
   }
 
   canvas.addEventListener("pointerdown", (event) => {

@@ -129,6 +129,7 @@ function details(found) {
     { id: "region-kurtosis", label: "excess kurtosis", values: [found.excess_kurtosis], unit: "", print: three },
     gamma.reason ? { id: "region-gamma", label: "gamma", values: ["no fit"], unit: "" } : { id: "region-gamma", label: "gamma: shape", values: [gamma.shape], unit: "", print: three },
     ...(gamma.reason ? [] : [{ id: "region-gamma-scale", label: "gamma: scale", values: [gamma.scale], unit: found.spread_unit, print: three }]),
+    ...(found.fits_unit === "K" && found.unit !== "K" ? [{ id: "region-fits", label: "fits: in kelvin", values: [] }] : []),
   ]);
   $("region").dataset.frame = found.frame;
   $("region").title = gamma.reason || gaussian.reason || "";
@@ -156,6 +157,8 @@ async function follow() {
     courses = { ...result, names };
     $("courses").dataset.means = JSON.stringify(result.means);
     recourse();
+    const without = names.filter((_, i) => result.left_out[i]);
+    if (without.length) $("courses-progress").textContent = `left out, outside the picture: ${without.join(", ")}`;
   } catch (error) { $("courses-progress").textContent = error.message; }
   $("courses-run").disabled = false;
 }
@@ -167,7 +170,7 @@ export function recourse() {
   $("courses-where").textContent = `means of ${short(courses.label)}`;
   const { xs, x, now } = course(courses);
   plots.courses.set({
-    series: courses.means.map((values, i) => ({ name: courses.names[i], colour: colourOf(i, INK.series), xs, values })),
+    series: courses.means.map((values, i) => ({ name: courses.names[i], colour: colourOf(i, INK.series), xs, values })).filter((_, i) => !courses.left_out[i]),
     x, y: { name: `mean of ${short(courses.label)}`, unit: courses.unit }, now,
   });
 }
@@ -176,9 +179,13 @@ export function recourse() {
 export function forget() {
   courses = null;
   recourse();
+  $("courses-progress").textContent = "";
   $("analysis").textContent = "";
   $("analysis-save").hidden = true;
 }
+
+/** A temperature displayed in degrees Celsius is analysed in kelvin. */
+const inKelvin = (units) => (units === "K" && meta().layers.find((layer) => layer.name === $("layer").value)?.unit !== "K" ? "All in kelvin. " : "");
 
 /** What analyze tells of the region; asked for until it is there. */
 async function analyse(all) {
@@ -188,7 +195,7 @@ async function analyse(all) {
     const { job, result } = await analysis.done(`/api/analysis/${active()}/${state.frame}?${layerQuery()}&all=${all ? 1 : 0}`, body([chosen()]));
     const best = Object.entries(result.fits).filter(([, fit]) => fit.ks !== null).sort((x, y) => x[1].ks - y[1].ks)[0];
     const alarm = result.false_alarms[0];
-    $("analysis").textContent = (all ? "all frames: " : `frame ${result.frame}: `) + (best ? `nearest distribution: ${best[0]} (Kolmogorov-Smirnov distance ${digits(best[1].ks, 3)}); ` : "") + `above ${alarm.threshold_sigma} σ: ${digits(alarm.rate, 3)} per pixel. Save all:`;
+    $("analysis").textContent = (all ? "all frames: " : `frame ${result.frame}: `) + (best ? `nearest distribution: ${best[0]} (Kolmogorov-Smirnov distance ${digits(best[1].ks, 3)}); ` : "") + `above ${alarm.threshold_sigma} σ: ${digits(alarm.rate, 3)} per pixel. ${inKelvin(result.units)}Save all:`;
     $("analysis").dataset.result = JSON.stringify(result);
     for (const kind of ["json", "csv"]) $(`save-${kind}`).href = `/api/job/${job}?save=${kind}`;
     $("analysis-save").hidden = false;
@@ -214,7 +221,7 @@ export function bindRegions(page) {
   $("regions-load").addEventListener("change", async () => {
     const [file] = $("regions-load").files;
     if (!file) return;
-    try { take((await json("/api/load/regions", { method: "POST", body: file })).regions); changed(); say(null); } catch (error) { say(error); }
+    try { take((await json(`/api/load/regions?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file })).regions); forget(); changed(); say(null); } catch (error) { say(error); }
     $("regions-load").value = "";
   });
   return changed;

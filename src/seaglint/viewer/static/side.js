@@ -1,7 +1,7 @@
 // The panels beside the picture and the plots under it: probe, pixel in time, profile, threshold, files to save.
 import { Plot } from "./plots.js";
 import { active, body, isGone, meta, region as chosen, say, showing, state } from "./state.js";
-import { $, INK, Work, bytes, digits, fill, json, latest, rate, reading, saved, short } from "./tools.js";
+import { $, INK, Work, after, bytes, digits, fill, json, latest, rate, reading, saved, short } from "./tools.js";
 
 export const plots = {};
 
@@ -30,7 +30,7 @@ export const probe = latest(async () => {
     fill($("probe"), rows);
     $("probe").dataset.frame = first.frame;
     const shown = first.values.find((v) => v.name === $("layer").value);
-    $("probe-line").textContent = `column ${column}, row ${row}: ${shown ? reading(shown.value, shown.unit) : "–"} ${shown?.unit || ""}`;
+    $("probe-line").textContent = `column ${column}, row ${row}: ${!shown ? "–" : shown.value === null ? "no value" : reading(shown.value, shown.unit) + after(shown.unit)}`;
   } catch (error) { say(error); }
 });
 

@@ -39,6 +39,9 @@ export function reading(value, unit) {
   return value === null || decimals === undefined ? digits(value, 5) : minus(value.toFixed(decimals));
 }
 
+/** A unit after a number. */
+export const after = (unit) => (!unit ? "" : unit.includes("not known") ? ` (${unit})` : ` ${unit}`);
+
 /** Ticks at round numbers between two ends. */
 export function ticks(low, high, wanted) {
   const span = Math.abs(high - low);
@@ -143,7 +146,7 @@ export function fill(table, rows) {
     }
     const last = line.insertCell();
     last.className = "unit";
-    last.textContent = unit || "";
+    last.textContent = values.every((value) => value === null) ? "" : after(unit).trim();
   }
   table.replaceChildren(body);
 }

@@ -20,32 +20,40 @@ from seaglint.scenario.sun import sun_position
 from seaglint.scenario.text.display import SUN
 from seaglint.viewer.workbench.scenario_draft import Draft, Keys
 
-STEP: Final = 10  #: Time between two points of the course [min].
+STEP: Final = 10  #: Time between two points of the drawn course [min].
 
 _WIDTH, _HEIGHT, _LEFT, _TOP = 300.0, 140.0, 34.0, 8.0
 
 
 @dataclass(frozen=True, eq=False)
 class Day:
-    """Elevation and azimuth [deg] of the Sun every ``STEP`` minutes of a day in UTC, refraction included."""
+    """Elevation and azimuth [deg] of the Sun every minute of a day in UTC, refraction included."""
 
     elevation: FloatArray
     azimuth: FloatArray
 
     def at(self, minutes: float) -> tuple[float, float]:
         """Return elevation and azimuth [deg] at a minute of the day."""
-        times = STEP * np.arange(self.elevation.size)
-        elevation = float(np.interp(minutes, times, self.elevation))
-        # The azimuth is unwrapped: between 359 and 1 degrees it must not pass through 180.
-        return elevation, float(np.interp(minutes, times, np.degrees(np.unwrap(np.radians(self.azimuth))))) % 360.0
+        before = min(max(int(minutes), 0), self.elevation.size - 2)
+        pair = slice(before, before + 2)
+        up, around = np.radians(self.elevation[pair]), np.radians(self.azimuth[pair])
+        # A straight line between directions, not between angles: near the zenith the azimuth turns by 180 degrees in minutes.
+        ends = np.array([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)])
+        north, east, above = ends @ (1.0 - (minutes - before), minutes - before)
+        return math.degrees(math.atan2(above, math.hypot(north, east))), math.degrees(math.atan2(east, north)) % 360.0
+
+    def words(self, minutes: float) -> str:
+        """Return time and position of the Sun at a minute of the day as text."""
+        elevation, azimuth = self.at(minutes)
+        return f"{clock(minutes)} UTC: elevation {round(elevation, 1) + 0.0:.1f}°, azimuth {azimuth:.1f}°".replace("-", "\u2212")
 
     def risings(self) -> tuple[list[int], list[int]]:
         """Return the minutes of the day at which the Sun's centre rises and sets."""
         up = self.elevation > 0.0
         turns = np.flatnonzero(up[1:] != up[:-1])
-        # Straight line between two points: the elevation is 0 at this share of the step.
+        # Straight line between two points: the elevation is 0 at this share of the minute.
         share = self.elevation[turns] / (self.elevation[turns] - self.elevation[turns + 1])
-        minutes = np.round(STEP * (turns + share)).astype(int)
+        minutes = np.round(turns + share).astype(int)
         return [int(m) for m, t in zip(minutes, turns, strict=True) if up[t + 1]], [
             int(m) for m, t in zip(minutes, turns, strict=True) if up[t]
         ]
@@ -64,18 +72,19 @@ def day_of(day: date, latitude_deg: float, longitude_deg: float) -> Day:
     from pvlib import solarposition
 
     start = datetime(day.year, day.month, day.day, tzinfo=UTC)
-    times = pd.DatetimeIndex([start + timedelta(minutes=STEP * n) for n in range(24 * 60 // STEP + 1)])
+    times = pd.DatetimeIndex([start + timedelta(minutes=n) for n in range(24 * 60 + 1)])
     angles = solarposition.get_solarposition(times, latitude_deg, longitude_deg, method="nrel_numpy")
     return Day(90.0 - angles["apparent_zenith"].to_numpy(), angles["azimuth"].to_numpy())
 
 
 def clock(minutes: float) -> str:
-    """Return hours and minutes of the day as text.
+    """Return hours and minutes of the day as text, and seconds where they are not 0.
 
-    >>> clock(1050)
-    '17:30'
+    >>> clock(1050), clock(1050.5)
+    ('17:30', '17:30:30')
     """
-    return f"{int(minutes) // 60 % 24:02d}:{int(minutes) % 60:02d}"
+    seconds = round(60.0 * minutes)
+    return f"{seconds // 3600 % 24:02d}:{seconds // 60 % 60:02d}" + (f":{seconds % 60:02d}" if seconds % 60 else "")
 
 
 def day_svg(day: Day, minutes: float) -> str:
@@ -87,8 +96,8 @@ def day_svg(day: Day, minutes: float) -> str:
     def place(minute: float, elevation: float) -> tuple[float, float]:
         return _LEFT + inside[0] * minute / 1440.0, _TOP + inside[1] * (high - elevation) / (high - low)
 
-    path = "M" + "L".join(f"{x:.1f},{y:.1f}" for x, y in [place(STEP * n, float(e)) for n, e in enumerate(day.elevation)])
-    elevation, azimuth = day.at(minutes)
+    path = "M" + "L".join(f"{x:.1f},{y:.1f}" for x, y in [place(STEP * n, float(e)) for n, e in enumerate(day.elevation[::STEP])])
+    elevation, _ = day.at(minutes)
     (x, y), (_, ground) = place(minutes, elevation), place(0, 0.0)
     hours = "".join(
         f'<text x="{place(60 * h, 0)[0]:.1f}" y="{_TOP + inside[1] + 16:.1f}" text-anchor="middle">{h:02d}</text>' for h in range(0, 25, 3)
@@ -109,7 +118,7 @@ def day_svg(day: Day, minutes: float) -> str:
         f'<path d="{path}" fill="none" stroke="{SUN}" stroke-width="1.8"/>{hours}{angles}'
         f'<text x="{_LEFT + inside[0] / 2:g}" y="{_HEIGHT - 4:g}" text-anchor="middle">hour [UTC]; elevation of the Sun [deg]</text>'
         f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="{SUN}">'
-        f"<title>{clock(minutes)}: {elevation:.1f}°, azimuth {azimuth:.1f}°</title></circle></svg>"
+        f"<title>{day.words(minutes)}</title></circle></svg>"
     )
 
 
@@ -238,13 +247,12 @@ class Daylight:
         if requested != self._known:
             self._day = await asyncio.to_thread(day_of, *requested)
             self._known = requested
-        self._draw(moment.hour * 60 + moment.minute)
+        self._draw(moment.hour * 60 + moment.minute + moment.second / 60.0)
 
-    def _draw(self, minutes: int) -> None:
+    def _draw(self, minutes: float) -> None:
         if self._day is None or self._parts is None or self._parts[0].is_deleted:
             return
         picture, _, words = self._parts
-        elevation, azimuth = self._day.at(minutes)
         risings = [f"rises {clock(rise)}" for rise in self._day.risings()[0]] + [f"sets {clock(fall)}" for fall in self._day.risings()[1]]
         picture.content = day_svg(self._day, minutes)
-        words.set_text("; ".join([f"{clock(minutes)} UTC: elevation {elevation:.1f}°, azimuth {azimuth:.1f}°", *risings]))
+        words.set_text("; ".join([self._day.words(minutes), *risings]))
