@@ -32,7 +32,7 @@ Quantity = Literal["radiance", "apparent_temperature"]
 
 # As wide as the picture on a page of usual width, so that its text has the size of the page's text.
 _WIDTH, _LEFT, _TOP, _BOTTOM = 480.0, 52.0, 8.0, 40.0
-_RIGHT: Final[dict[Quantity, float]] = {"radiance": 92.0, "apparent_temperature": 128.0}
+_RIGHT: Final[dict[Quantity, float]] = {"radiance": 112.0, "apparent_temperature": 128.0}
 _LOW, _HIGH = 100.0, 320.0  # least and greatest height of the image in the picture
 
 
