@@ -48,6 +48,13 @@ def in_kelvin(recording: Recording) -> Recording:
     return replace(recording, units="K", read_block=read, saturation=full)
 
 
+def _frame(source: ViewerSource, index: int, layer: str | None) -> Recording:
+    """Return one frame as a recording; refuse a frame without a value."""
+    if not np.isfinite(source.read(index, layer)).any():
+        raise DataError(f"frame {index}: no pixel of it has a value; choose another frame")
+    return source.recording(layer, only=index)
+
+
 def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | None = None) -> JsonObject:
     """Return moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze`` with a mask.
 
@@ -59,7 +66,7 @@ def quick(source: ViewerSource, index: int, where: PictureRegion, layer: str | N
         The region lies outside the image, or has no values.
     """
     chosen = source.layer(layer)
-    recording = source.recording(chosen.name, only=index)
+    recording = _frame(source, index, chosen.name)
     mask = where.mask(recording.rows, recording.columns)
     first = survey(recording, lambda _: None)
     mask &= (first.moments.count > 0) & ~first.dead
@@ -110,10 +117,10 @@ def whole(source: ViewerSource, where: PictureRegion, layer: str | None, only: i
     DataError
         The region lies outside the image, or has too few pixels.
     """
-    recording = in_kelvin(source.recording(layer, only=only))
+    recording = in_kelvin(source.recording(layer) if only is None else _frame(source, only, layer))
     mask = where.mask(recording.rows, recording.columns)
-    if int(mask.sum()) < FEWEST_PIXELS:
-        raise DataError(f"the region has {int(mask.sum())} pixels, too few for statistics; drag one of at least {FEWEST_PIXELS}")
+    if (pixels := int(mask.sum())) < FEWEST_PIXELS:
+        raise DataError(f"the region has {pixels} pixel{'s' * (pixels != 1)}, too few for statistics; drag one of at least {FEWEST_PIXELS}")
     with absent_numbers():
         analysis = analyze(recording, AnalysisOptions(mask=mask), progress)
     if "glint" not in analysis.regions:
@@ -151,7 +158,7 @@ def exceedances(
     """
     if not 0.0 <= sigma <= 100.0:
         raise DataError(f"threshold {sigma:g}: give standard deviations from 0 to 100")
-    recording = source.recording(layer, only=index)
+    recording = _frame(source, index, layer)
     first = survey(recording, lambda _: None)
     mask = (first.moments.count > 0) & ~first.dead
     if where is not None:
