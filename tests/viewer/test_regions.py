@@ -48,6 +48,9 @@ def test_rectangle_is_the_slice_of_its_pixels():
 def test_ellipse_and_polygon_have_the_areas_of_their_shapes():
     ellipse = PictureRegion("ellipse", (10.0, 20.0, 300.0, 200.0)).mask(300, 400)
     assert ellipse.sum() == pytest.approx(np.pi * 150 * 100, rel=2e-3)  # the edge's pixels count wholly or not
+    rows, columns = np.nonzero(ellipse)
+    assert (columns.mean(), rows.mean()) == pytest.approx((159.5, 119.5), abs=0.01)
+    assert (columns.min(), columns.max(), rows.min(), rows.max()) == (10, 309, 20, 219)
     triangle = PictureRegion("polygon", (10.0, 10.0, 310.0, 10.0, 10.0, 210.0)).mask(300, 400)
     assert triangle.sum() == pytest.approx(300 * 200 / 2, rel=5e-3)
     assert np.array_equal(PictureRegion("polygon", (5, 4, 25, 4, 25, 14, 5, 14)).mask(ROWS, COLUMNS), REGIONS[0].mask(ROWS, COLUMNS))
