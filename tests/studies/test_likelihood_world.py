@@ -10,7 +10,9 @@ import pytest
 from seaglint.base.errors import SeaglintError
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.climate.world_weather import model_atmospheres, world_weather
+from seaglint.scenario.ensemble_file import parse_ensemble
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.ensemble.render_ensemble import draw as drawn_scenes
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw, likelihood
 
@@ -124,3 +126,21 @@ def test_the_same_seed_gives_the_same_draws() -> None:
     one, other = (draw(model(table), samples=2048) for _ in range(2))
     assert np.array_equal(one.radiance, other.radiance)
     assert np.array_equal(one.weight, other.weight)
+
+
+def test_an_ensemble_draws_the_weather_of_its_place_and_month() -> None:
+    """Sea temperature and air less sea are the month's; winds have its mean."""
+    place = {"latitude_deg": 30, "longitude_deg": -60}
+    columns = ["wind_speed_m_s", "sea_temperature_k", "air_minus_sea_k", "atmosphere"]
+    raw = {
+        "ensemble": {"scenes": 64, "sampling": "latin_hypercube"},
+        "base": {"place": place, "time": {"utc": "2025-01-16T16:00:00Z"}},
+        "vary": [{"law": "weather", "table": "world", "columns": columns}],
+    }
+    scenes = drawn_scenes(parse_ensemble(raw))
+    means = world_weather().at(0.5, 30.0, -60.0)
+    values = [scene.parameters for scene in scenes]
+    assert {value["sea.temperature_k"] for value in values} == {pytest.approx(float(means.sea_temperature_k))}
+    assert values[0]["atmosphere.air_minus_sea_k"] == pytest.approx(float(means.air_temperature_k - means.sea_temperature_k))
+    winds = np.mean([value["wind.speed_m_s"] for value in values])
+    assert winds == pytest.approx(float(means.wind_speed_m_s), rel=0.05)
