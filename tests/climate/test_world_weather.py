@@ -91,12 +91,26 @@ def test_the_year_and_the_globe_are_closed() -> None:
             np.testing.assert_allclose(a, b, rtol=1e-6)
 
 
-def test_a_place_is_at_sea_where_its_cell_has_rows() -> None:
+def test_a_place_is_at_sea_where_cells_with_rows_have_half_of_the_weight() -> None:
     random, world = np.random.default_rng(5), world_weather()
     cells = {(lat, lon) for _, lat, lon in by_cell()}
-    for latitude, longitude in zip(random.uniform(-90, 90, 3000), random.uniform(-180, 180, 3000), strict=True):
-        middle = (-70 + 4 * np.floor((latitude + 72) / 4), (-180 + 5 * np.floor((longitude + 182.5) / 5) + 180) % 360 - 180)
-        assert bool(world.at_sea(latitude, longitude)) == (middle in cells)
+    for latitude, longitude in zip(random.uniform(-71, 79, 3000), random.uniform(-180, 180, 3000), strict=True):
+        weight = 0.0
+        for lat, lon in cells:
+            near = 1 - abs(min(max(latitude, -70.0), 78.0) - lat) / 4, 1 - abs((longitude - lon + 180) % 360 - 180) / 5
+            weight += near[0] * near[1] if min(near) > 0 else 0.0
+        assert bool(world.at_sea(latitude, longitude)) == (weight >= 0.5)
+    assert not world.at_sea([-73.0, 81.0], [-30.0, 0.0]).any()
+
+
+def test_a_place_off_the_coast_has_the_weather_of_the_nearest_sea() -> None:
+    """A light station in the bight of Carolina is at sea, the Skagerrak is served; Gibraltar is too far from the next cell."""
+    assert bool(world_weather().at_sea(33.48, -77.58))
+    north, east, note = world_weather().sea_at(57.0, 8.0)
+    assert bool(world_weather().at_sea(north, east))
+    assert "no observations at place = [57, 8]" in str(note)
+    with pytest.raises(DomainError, match="is on land, in ice or in a sea without data"):
+        world_weather().sea_at(36.0, -5.5)
 
 
 @pytest.mark.parametrize("place", [(48.1, 11.6), (36.0, 18.0), (85.0, 0.0), (-80.0, 10.0), (0.0, 20.0)])
@@ -113,7 +127,7 @@ def test_on_land_the_nearest_sea_is_named(place: tuple[float, float]) -> None:
     assert angle((north, east), place) == pytest.approx(angle(nearest, place), abs=1e-9)
     assert distance == pytest.approx(6.371e6 * angle((north, east), place), rel=2e-3)
     with pytest.raises(DomainError, match=rf"nearest sea of the climatology is \[{north:g}, {east:g}\]"):
-        world.require_sea(*place)
+        world.sea_at(*place)
 
 
 def test_times_of_the_year_are_those_of_the_calendar() -> None:

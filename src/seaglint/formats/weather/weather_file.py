@@ -85,16 +85,15 @@ def _read_world(selection: Selection, place: tuple[float, float] | None) -> Weat
     notes = list(notes_of_world())
     try:
         if place is not None:
-            world.require_sea(*place)
-            few = few_observations(world, *place, months or range(1, 13))
-            notes += [few] if few else []
-            table = world.table(place[0], place[1], months)
+            north, east, other = world.sea_at(*place)
+            notes += filter(None, (other, few_observations(world, north, east, months or range(1, 13))))
+            table = world.table(north, east, months)
         else:
-            north, east, area = world.cells()
-            inside = selection.places(north, east)
+            norths, easts, area = world.cells()
+            inside = selection.places(norths, easts)
             if not inside.any():
                 raise DomainError(f"nothing in {' and '.join(selection.words)}; the climatology covers seas from 70 S to 78 N")
-            table = world.table(north[inside], east[inside], months, area=area[inside])
+            table = world.table(norths[inside], easts[inside], months, area=area[inside])
     except DomainError as error:
         raise DataError(f"{NAME}: {error}") from None
     return WeatherSource(Path(NAME), "climatology", table.columns, len(table), table.texts, notes=tuple(notes))

@@ -37,7 +37,17 @@ from seaglint.climate.mirrored_sunlight import MirroredLight, mirrored_light
 from seaglint.climate.weather_laws import wind_shape
 from seaglint.climate.weather_selection import GeographicBox
 from seaglint.climate.weather_table import MONTHS, WeatherTable
-from seaglint.climate.world_weather import CELL, FEW, NAME, WorldWeather, few_observations, model_atmospheres, time_of_year, world_weather
+from seaglint.climate.world_weather import (
+    CELL,
+    FEW,
+    NAME,
+    NEAR_M,
+    WorldWeather,
+    few_observations,
+    model_atmospheres,
+    time_of_year,
+    world_weather,
+)
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.formats.lowtran.deck import MODELS
 from seaglint.formats.weather.weather_cells import read_cells
@@ -174,7 +184,7 @@ class LikelihoodModel:
             return self._weather_of_rows(where, u)
         latitude, longitude = where.latitude, where.longitude
         if isinstance(self.where, tuple) and not bool(self.world.at_sea(*self.where)):
-            # A ship's place in a harbour: the nearest sea.
+            # A place in a bight or harbour: the nearest sea.
             north, east, _ = self.world.nearest_sea(*self.where)
             latitude, longitude = np.full(latitude.shape, north), np.full(longitude.shape, east)
         drawn = self.world.draw(time_of_year(where.time), latitude, longitude, u["row"], u["cover"])
@@ -356,7 +366,8 @@ def _uses_world(scenario: Scenario, notes: list[str]) -> bool:
     where, world = _where(scenario), world_weather()
     if where is None:
         return False
-    if np.any(world.at_sea(*_cells_of(world, where))):
+    near = world.nearest_sea(*where)[2] <= NEAR_M if isinstance(where, tuple) else _cells_of(world, where)[0].size > 0
+    if near:
         notes.append("likelihood.weather is not given: the climatology 'world', monthly means of ships' observations")
         return True
     return False
@@ -389,9 +400,8 @@ def _about_world(scenario: Scenario, world: WorldWeather) -> list[str]:
     north, east = _cells_of(world, where)
     if isinstance(where, tuple):
         name = "likelihood.place" if settings.place is not None else "place"
-        world.require_sea(*where, name)
-        few = few_observations(world, *where, months)
-        return [*notes, few] if few else notes
+        *served, other = world.sea_at(*where, name)
+        return [*notes, *filter(None, (other, few_observations(world, served[0], served[1], months)))]
     if north.size == 0:
         assert where is not None  # the world has cells
         middle = 0.5 * (where.south + where.north), 0.5 * (where.west + where.east)
