@@ -163,6 +163,8 @@ def test_map_and_way(tmp_path):
         ({"threshold_w_m2_sr": []}, "likelihood.threshold_w_m2_sr"),
         ({"quantity": "detection"}, "detection_curve"),
         ({"samples": 10}, "256"),
+        ({"hours_utc": [24, 0]}, "hours_utc is empty"),
+        ({"hours_utc": [22, 25]}, "hours_utc"),
     ],
 )
 def test_mistakes_are_told(wanted, told):
