@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from seaglint.api.inputs_and_results import ResultRecord, arguments_of, scenario_of, team_of, with_band
+from seaglint.api.inputs_and_results import ResultRecord, arguments_of, path_of, scenario_of, scene_input, team_of, with_band
 from seaglint.base.parameters import documented
 from seaglint.studies.study_requests import MOST_CASES, LikelihoodRequest, MeanRequest, SweepRequest
 
@@ -66,7 +66,7 @@ def init(output: str | Path, preset: str = "glint", *, camera: str | Path | None
     from seaglint.scenario.text.template import write_template
     from seaglint.store.outputs import refuse_existing, require_ending
 
-    path = Path(output)
+    path = path_of(output, "output")
     require_ending(path, (".toml",), "a scenario is a TOML file")
     refuse_existing(path, overwrite=overwrite)
     chosen = None if camera is None else read_camera(str(camera))
@@ -129,7 +129,7 @@ def info(path: str | Path, *, variable: str | None = None, channel: str | None =
     from seaglint.studies.file_contents import describe, describe_recording, describe_scenario, is_ours
 
     # A URL must not become a Path, which would shorten its two slashes to one.
-    place = path if isinstance(path, str) and "://" in path else Path(path)
+    place = path if isinstance(path, str) and "://" in path else path_of(path, "path")
     if is_ours(place):
         values: Mapping[str, Any] = describe(place).as_dict()
         return ResultRecord(values, draw=lambda: _picture(place), title=str(path))
@@ -149,13 +149,13 @@ def _picture(place: str | Path) -> Figure:
         return draw(dataset)
 
 
-def load(source: str | Path | Mapping[str, Any]) -> Scenario:
+def load(source: SceneInput) -> Scenario:
     """Read and check a scenario.
 
     Parameters
     ----------
-    source : path or mapping
-        A TOML file, or its content as tables in a mapping.
+    source : path, mapping or Scenario
+        A TOML file, or its content as tables in a mapping; a scenario is returned unchanged.
 
     Returns
     -------
@@ -173,9 +173,7 @@ def load(source: str | Path | Mapping[str, Any]) -> Scenario:
     >>> round(sg.load({"sensor": {"height_m": "100 ft"}}).sensor.height_m, 2)
     30.48
     """
-    from seaglint.scenario.load import load_scenario, parse_scenario
-
-    return parse_scenario(source) if isinstance(source, Mapping) else load_scenario(source)
+    return scenario_of(source)
 
 
 @documented(MeanRequest)
@@ -310,7 +308,7 @@ def sweep(
     with team_of(workers, threads) as others:
         # Workers limit their threads themselves; the limit of this process would not reach them.
         own_threads = threads if workers is None else None
-        return computed(**arguments_of(computed, locals(), source=scenario, workers=others, threads=own_threads))
+        return computed(**arguments_of(computed, locals(), source=scene_input(scenario), workers=others, threads=own_threads))
 
 
 @documented(LikelihoodRequest)
