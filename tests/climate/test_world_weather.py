@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.special import gamma
-from scipy.stats import beta, norm, weibull_min
+from scipy.stats import beta, kstest, norm, weibull_min
 
 from seaglint.base.errors import DomainError
 from seaglint.climate.weather_laws import CLOUD_SUM, WIND_CLOUD, cloud_at, cloud_shares, joint_shares, wind_at, wind_shape
@@ -215,6 +215,36 @@ def test_relative_humidity_is_the_vapour_pressure_over_saturation() -> None:
     q = 0.62198 * vapour / (1013.25 - 0.37802 * vapour)
     means = MeanConditions(*(np.array(x) for x in (7.0, 0.5, 293.15, 293.15, q, 1013.25)))
     assert float(means.relative_humidity) == pytest.approx(0.525, abs=0.002)
+
+
+#: Reports of ships, light stations and drifters that the climatology, which ends before 1980, does not hold, or holds among thousands.
+#:
+#: Month, day, latitude, longitude [deg], sea and air temperature [deg C], wind [m/s]; None where missing. ICOADS release 3 (NOAA, public
+#: domain), as sampled in the repository glamod/cdm_reader_mapper.
+REPORTS = (
+    (2, 1, 71.2, 36.4, 4.5, -6.0, 12.9), (2, 1, 65.3, 7.3, 7.6, 1.1, 11.8), (2, 1, 71.3, 22.3, 6.7, -5.9, 6.2),
+    (11, 1, 42.31, -33.92, 19.3, None, None), (11, 1, 36.24, -159.92, 21.8, None, None), (11, 1, 35.42, -164.43, 22.7, None, None),
+    (11, 1, 31.49, -64.01, 25.9, None, None), (11, 1, 30.97, -28.28, 24.1, None, None), (1, 1, 75.6, 31.6, 4.6, 4.2, 10.0),
+    (1, 1, 69.6, 18.9, 5.8, 6.2, 8.0), (1, 1, 66.0, 8.1, None, 7.3, 12.9), (9, 1, 33.4, 122.58, 21.5, 17.2, 2.0),
+    (9, 1, 36.9, -75.7, 25.6, 25.6, 2.1), (9, 1, 41.39, -71.03, None, 18.9, 4.1), (9, 1, 36.9, -75.7, 25.6, 24.4, 3.1),
+)  # fmt: skip
+
+
+def test_single_reports_lie_inside_the_laws() -> None:
+    """Seas within 3 K, 1.2 K warmer on average (drifters of 2021 most); winds at quantiles that look uniform."""
+    world, seas, quantiles = world_weather(), [], []
+    for month, day, latitude, longitude, sea, air, wind in REPORTS:
+        means = world.at(month - 1 + day / 30.5, latitude, longitude)
+        if sea is not None:
+            seas.append(sea + 273.15 - float(means.sea_temperature_k))
+        if air is not None:
+            assert abs(air + 273.15 - float(means.air_temperature_k)) < 8.0
+        if wind is not None:
+            mean, shape = float(means.wind_speed_m_s), float(wind_shape(latitude, means.wind_speed_m_s))
+            quantiles.append(weibull_min(shape, scale=mean / gamma(1 + 1 / shape)).cdf(wind))
+    assert max(abs(np.array(seas))) < 3.0
+    assert np.mean(seas) == pytest.approx(0.9, abs=0.6)
+    assert kstest(quantiles, "uniform").pvalue > 0.05
 
 
 def test_winds_of_weak_and_steady_months_differ_in_shape() -> None:

@@ -96,8 +96,8 @@ class LikelihoodModel:
         notes = _which_place(scenario)
         if weather is None and _uses_world(scenario, notes):
             world = world_weather()
-            models, row_model = _models_of_world(scenario, world)
             notes += _about_world(scenario, world)
+            models, row_model = _models_of_world(scenario, world)
             winds = _winds_of_world(scenario, world, notes)
             looks = _looks(settings, notes)
             return cls(scenario, None, world, models=models, row_model=row_model, winds=winds, looks=looks, notes=tuple(notes))
@@ -376,7 +376,8 @@ def _uses_world(scenario: Scenario, notes: list[str]) -> bool:
 def _cells_of(world: WorldWeather, where: GeographicRegion | tuple[float, float] | None) -> tuple[FloatArray, FloatArray]:
     """Return places that stand for a law of the place: a point, or the middles of the cells inside a region [deg]."""
     if isinstance(where, tuple):
-        return np.array([where[0]]), np.array([where[1]])
+        at = where if bool(world.at_sea(*where)) else world.nearest_sea(*where)
+        return np.array([at[0]]), np.array([at[1]])
     north, east, _ = world.cells()
     if where is None:
         return north, east
@@ -423,7 +424,11 @@ def _models_of_world(scenario: Scenario, world: WorldWeather) -> tuple[tuple[str
     names = [name for name, _ in model_atmospheres()]
     if not isinstance(scenario.atmosphere, TableAtmosphereSettings):
         return (scenario.atmosphere.source,), np.zeros(len(names), dtype=np.int64)
-    return tuple(names), np.arange(len(names))
+    north, east = _cells_of(world, _where(scenario))
+    # Tables of light cost some seconds for each model: those between the driest and the wettest air suffice. A track has all places.
+    there = world.at(np.arange(24.0)[:, None] / 2.0, north, east).model
+    first, last = int(there.min()), int(there.max())
+    return tuple(names[first : last + 1]), np.clip(np.arange(len(names)) - first, 0, last - first)
 
 
 def _winds_of_world(scenario: Scenario, world: WorldWeather, notes: list[str]) -> tuple[float, float]:
