@@ -15,7 +15,8 @@ import xarray as xr
 from wave_files import FROM, LATITUDE, LONGITUDE, TIMES
 
 from seaglint.base.errors import DataError, DomainError, ScenarioError, SeaglintError
-from seaglint.formats.waves import WaveChoice, read_waves
+from seaglint.formats.waves import FORMATS, WaveChoice, read_waves
+from seaglint.formats.waves.wave_formats import Format
 from seaglint.scenario.load import load_scenario
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 from seaglint.studies.build.waves_and_slopes import waves as waves_of
@@ -229,6 +230,20 @@ def test_files_that_cannot_be_used_are_told_in_one_line(name: str, tmp_path: Pat
     with pytest.raises(DataError, match=match) as caught:
         read_waves(make(tmp_path), THEN)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("name", "match"), [("nix", "does not exist; give the file"), ("", "is a folder and no Zarr store")])
+@pytest.mark.parametrize("kind", [kind for kind in FORMATS if kind != "ndbc"])
+def test_a_stated_format_of_nothing(kind: Format, name: str, match: str, tmp_path: Path) -> None:
+    with pytest.raises(DataError, match=match):
+        read_waves(tmp_path / name, THEN, format=kind)
+
+
+def test_a_record_whose_chunk_is_missing_is_refused(tmp_path: Path) -> None:
+    store = wave_files.stored(wave_files.own, tmp_path)
+    shutil.rmtree(store / "efth" / "c")
+    with pytest.raises(DataError, match="must be finite"):
+        read_waves(store, THEN)
 
 
 def test_damaged_stores(tmp_path: Path) -> None:

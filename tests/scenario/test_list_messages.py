@@ -11,6 +11,7 @@ import pytest
 from pydantic import BaseModel
 
 from seaglint.base.errors import ScenarioError
+from seaglint.scenario.ensemble_file import parse_ensemble
 from seaglint.scenario.keys import Key, fields_of, is_list, list_length, tag_name
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
@@ -202,3 +203,27 @@ def test_random_lists(place: str) -> None:
             if line.startswith(f"{one.place} = "):
                 wrong = length is not None and len(values) != length
                 assert wrong or not values or "has" not in line.split("] ")[-1].split()[:1], line
+
+
+@pytest.mark.parametrize(
+    ("tables", "line"),
+    [
+        ({"vary": [{"key": "wind.speed_m_s", "law": "choice", "values": []}]}, "vary[0].values = [] is empty; give 1 or more"),
+        ({"vary": [{"key": "wind.speed_m_s", "law": "choice", "values": 3}]}, "vary[0].values = 3 must be a list in brackets"),
+        (
+            {"vary": [{"key": "wind.speed_m_s", "law": "choice", "values": [3], "weights": [-1]}]},
+            "vary[0].weights[0] = -1 is outside the allowed range: 0 or more",
+        ),
+        ({"vary": [{"law": "weather", "columns": []}]}, "vary[0].columns = [] is empty; give 1 or more"),
+        ({"vary": [{"law": "weather", "columns": [3]}]}, "vary[0].columns[0] = 3 is not allowed: Input should be 'wind_speed_m_s'"),
+        ({"dataset": {"split": [0.5, 0.5]}}, "dataset.split = [0.5, 0.5] has 2 values and must have 3"),
+        ({"dataset": {"split": [0.5, 0.2, 0.2, 0.1]}}, "dataset.split = [0.5, 0.2, 0.2, 0.1] has 4 values and must have 3"),
+        ({"dataset": {"split": 1}}, "dataset.split = 1 must be a list in brackets"),
+        ({"dataset": {"split": [0.5, 0.5, "x"]}}, "dataset.split[2] = 'x' is not a number"),
+    ],
+)
+def test_lists_of_ensembles(tables: dict[str, Any], line: str) -> None:
+    with pytest.raises(ScenarioError) as caught:
+        parse_ensemble({"ensemble": {"scenes": 2}, "base": {}} | tables)
+    assert str(caught.value).startswith(f"ensemble: {line}")
+    assert "\n" not in str(caught.value)

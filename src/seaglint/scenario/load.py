@@ -92,14 +92,14 @@ def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path
     try:
         return Scenario.model_validate(dict(raw), context={"base": base})
     except ValidationError as error:
-        details = [detail for detail in error.errors(include_url=False) if not _counts_elements(detail)]
+        details = [detail for detail in error.errors(include_url=False) if not counts_elements(detail)]
         explained = (_named(_explain(detail, raw), detail["loc"], raw) for detail in details)
         # A union reports a mistake once per kind; equal lines are printed once.
         mistakes = tuple({mistake.text: mistake for mistake in explained}.values())
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
 
 
-def _counts_elements(error: ErrorDetails) -> bool:
+def counts_elements(error: ErrorDetails) -> bool:
     """Return true where a list is called too short only because its wrong elements, which have lines themselves, do not count."""
     least = error.get("ctx", {}).get("min_length")
     return error["type"] == "too_short" and isinstance(error["input"], list | tuple) and len(error["input"]) >= (least or 0)
@@ -189,19 +189,22 @@ def _list_mistake(key: Key, error: ErrorDetails) -> str:
     count = len(given) if isinstance(given, list | tuple) else None
     length = list_length(key.info.annotation)
     if length is not None:
-        wrong = f"must be a list of {length} numbers in brackets" if count is None else f"has {_values(count)} and must have {length}"
+        wrong = f"must be a list of {length} numbers in brackets" if count is None else f"has {values_text(count)} and must have {length}"
         return f"{wrong}: {key.info.description} (allowed: {key.allowed})"
     names = choices_at(key.path)
     allowed = _listed(names) if names else key.allowed
     if count is None:
         return "must be a list in brackets" + (f"; allowed in it: {allowed}" if allowed else "")
     if error["type"] == "too_long":
-        return f"has {_values(count)}; allowed are at most {context['max_length']}"
+        return f"has {values_text(count)}; allowed are at most {context['max_length']}"
     least = context["min_length"]
-    return f"{'is empty' if count == 0 else f'has {_values(count)}'}; give {least} or more" + (f" (allowed: {allowed})" if allowed else "")
+    return f"{'is empty' if count == 0 else f'has {values_text(count)}'}; give {least} or more" + (
+        f" (allowed: {allowed})" if allowed else ""
+    )
 
 
-def _values(count: int) -> str:
+def values_text(count: int) -> str:
+    """Return a number of values in words."""
     return f"{count} value{'' if count == 1 else 's'}"
 
 

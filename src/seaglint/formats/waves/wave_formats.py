@@ -314,6 +314,8 @@ def read_waves(
         If wavespectra is not installed and needed.
     """
     path, choice = Path(path), WaveChoice() if choice is None else choice
+    if format != "ndbc":  # of a buoy's five files any one may be missing
+        _require_present(path)
     kind = recognised(path) if format is None else format
     # what a damaged file holds may be of any type and shape
     return parsed(path, f"a file of {kind}", lambda: _chosen(path, kind, choice, wind_to_azimuth))
@@ -349,20 +351,24 @@ def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float
     return WavesFromFile(spectrum, report)
 
 
+def _require_present(path: Path) -> None:
+    """Refuse a file that is missing, and a folder that is no store."""
+    if path.is_dir() and store_group(path) is None:
+        raise DataError(f"{path} is a folder and no Zarr store (zarr.json, .zgroup); give the file or the store of a wave spectrum")
+    if not path.exists() and not ndbc.is_common_part(path):
+        raise DataError(f"{path} does not exist; give the file of a wave spectrum ({', '.join(FORMATS)})")
+
+
 def recognised(path: Path) -> Format:
     """Recognise the format of a file by its beginning, and for plain text by its name.
 
     Raises
     ------
     DataError
-        A file that is missing or of another format.
+        A file of another format.
     """
     if not path.is_file() and ndbc.is_common_part(path):
         return "ndbc"
-    if not path.exists():
-        raise DataError(f"{path} does not exist; give the file of a wave spectrum ({', '.join(FORMATS)})")
-    if path.is_dir() and store_group(path) is None:
-        raise DataError(f"{path} is a folder and no Zarr store (zarr.json, .zgroup); give the file or the store of a wave spectrum")
     beginning = b""
     if path.is_file():
         with path.open("rb") as file:
