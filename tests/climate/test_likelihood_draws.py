@@ -116,7 +116,7 @@ EVEN = (np.arange(2**16) + 0.5) / 2**16
 def _hours_counted(when, place, by_daylight):
     """Share of the draws in each hour of the day."""
     table = WeatherTable({"wind_speed_m_s": np.ones(1), "cloud_cover": np.zeros(1)})
-    u = {name: EVEN for name in ("row", "cover", "hour", "across", "along")} | {"day": np.random.default_rng(3).permutation(EVEN)}
+    u = dict.fromkeys(("row", "cover", "hour", "across", "along"), EVEN) | {"day": np.random.default_rng(3).permutation(EVEN)}
     found = conditions(table, u, when, place, by_daylight=by_daylight)
     weight = np.ones(EVEN.size) if found.weight is None else found.weight
     assert np.sum(weight[months_of(found.time) != 6]) < 1e-3 * weight.sum()
