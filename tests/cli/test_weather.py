@@ -33,7 +33,7 @@ def test_era5_ships_and_buoys_become_one_table_and_nothing_is_dropped_unsaid(tmp
         "imma1: ICOADS IMMA1, 2 records, 1 rows; left out: 1 of other months",
         "44011.txt: NDBC standard meteorological, 3 records, 1 rows; left out: 2 of other months",
         "cloud_cover: 1 missing values filled with 0.6, as asked",
-        "no rows in June (draws in that month use July), August (draws in that month use July)",
+        "rows in July only: they serve all the year",
         f"{out}: 24 rows written",
     ):
         assert line in answer.err.splitlines(), answer.err
@@ -160,7 +160,10 @@ def test_info_tells_and_draws_a_table(tmp_path: Path, seaglint) -> None:
     assert (tmp_path / "w.png").read_bytes()[:4] == b"\x89PNG"
     text = seaglint("weather", "info", tmp_path / "w.csv").out
     assert "most frequent wind from 0 deg, 62.5 % of the weight" in text
-    assert "no rows in December: draws in that month use January" in text
+    assert (
+        "no rows in February, March, April, November, December (January serves), May, June, August, September, October (July serves)"
+        in text
+    )
     assert "needed are wind_speed_m_s, cloud_cover" in seaglint("weather", "info", _bad(tmp_path)).err
     assert "north-atlantic: 1188 rows" in seaglint("weather", "info", "north-atlantic").out
 

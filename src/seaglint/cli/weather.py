@@ -111,11 +111,14 @@ def _number(value: float | None) -> str:
 
 def lines(facts: WeatherFacts) -> list[str]:
     """Return the facts of a weather table as lines of text."""
+    from seaglint.climate.weather_table import stand_ins_told
+
     out = [f"{facts.path}: {facts.rows} rows, effectively {facts.effective_rows:.0f}, weights sum to {facts.weight_sum:.6g}"]
     out.append(f"  covers {facts.covers}")
     if facts.regions:
         out.append(f"  regions {', '.join(facts.regions)}")
-    out += [f"  no rows in {month}: draws in that month use {used}" for month, used in facts.missing_months.items()]
+    if facts.missing_months:
+        out.append(f"  {stand_ins_told(facts.missing_months)}")
     out.append(f"  {'column':22} {'mean':>9} {'min':>9} {'max':>9} {'missing %':>10}")
     for name, column in facts.columns.items():
         numbers = " ".join(f"{_number(value):>9}" for value in (column.mean, column.min, column.max))

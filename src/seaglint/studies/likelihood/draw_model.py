@@ -36,7 +36,7 @@ from seaglint.climate.glint_radiance import DetectionCurve, Search, WindSlopes, 
 from seaglint.climate.mirrored_sunlight import MirroredLight, mirrored_light
 from seaglint.climate.weather_laws import wind_shape
 from seaglint.climate.weather_selection import GeographicBox
-from seaglint.climate.weather_table import MONTHS, WeatherTable
+from seaglint.climate.weather_table import WeatherTable, stand_ins_told
 from seaglint.climate.world_weather import (
     CELL,
     FEW,
@@ -109,10 +109,7 @@ class LikelihoodModel:
             notes.append(f"{dropped} of {len(weather)} rows of weather left out: wind speed or cloud cover missing")
         table = _of_region(table, settings, notes).ordered("wind_speed_m_s", "cloud_cover")
         if table.missing_months and settings.months != () and scenario.sun is None and not settings.place_from_weather:
-            used = table.month_used
-            notes.append(
-                "no weather of " + ", ".join(f"{MONTHS[m - 1]} (rows of {MONTHS[used[m] - 1]} serve)" for m in table.missing_months)
-            )
+            notes.append(f"weather: {stand_ins_told(table.stand_ins)}")
         if scenario.sun is not None and not scenario.sun.model_fields_set:
             notes.append(
                 f"the Sun stands at zenith {scenario.sun.zenith_deg:g} deg, as no other is given; add [sun], or [place] or a region "
