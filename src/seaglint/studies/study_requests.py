@@ -13,6 +13,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple, get_args
 
+from seaglint.base.errors import DataError
 from seaglint.base.parameters import Parameter, documented
 from seaglint.detection.detector_names import ANALYZED
 
@@ -348,6 +349,24 @@ class LikelihoodRequest:
             detail="Bearings are clockwise from north; without them azimuths from the Sun are those of the scenario.",
         ),
     ] = None
+    best: Annotated[
+        bool,
+        Parameter(
+            "bearing, depression and hour with the least glint at the scenario's place and a date: OUT.csv, .json, .png or a folder",
+            detail="Each direction has its chance over the weather of the month; all share their draws of weather.",
+        ),
+    ] = False
+    date: Annotated[
+        str | None, Parameter("date for `best`, UTC, e.g. 2026-06-21; default: that of [time]", metavar="DATE", subject="date")
+    ] = None
+
+    def __post_init__(self) -> None:
+        """Refuse several results at once, and a date without use."""
+        ways = [f"`{name}`" for name, given in (("by_month", self.by_month), ("track", self.track), ("best", self.best)) if given]
+        if len(ways) > 1:
+            raise DataError(f"{' and '.join(ways)} are given: a map, the way of a ship and the best look are different results; give one")
+        if self.date is not None and not self.best:
+            raise DataError(f"`date` = {self.date}: is for `best` alone; other results have the times of the scenario")
 
 
 Seed = Annotated[int, Parameter("of the random numbers: the same seed gives the same bytes", least=0)]  #: Seed of fits and samples.

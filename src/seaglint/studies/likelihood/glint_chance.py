@@ -216,7 +216,7 @@ def evaluated(
     u: dict[str, FloatArray],
     where: Conditions,
     plan: SamplingPlan,
-    azimuth: float | None = None,
+    azimuth: FloatArray | float | None = None,
     *,
     integrated: bool = False,
 ) -> Draws:
