@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject
 from seaglint.climate import draws as by
-from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, conditions, illuminated, months_of, smoothed
+from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, illuminated, months_of
 from seaglint.climate.draws import Estimate, SamplingPlan, estimate, strata
 from seaglint.climate.exceeding_azimuths import azimuth_shares
 from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes
@@ -104,7 +104,7 @@ class GlintLikelihood:
             confidence=0.95,
             clouds=cloud_law(self.model),
             weather=DrawnWeather(
-                None if settings.weather is None else str(settings.weather), len(self.model.table), list(self.model.models)
+                self.model.weather_name, 0 if self.model.table is None else len(self.model.table), list(self.model.models)
             ),
             strata=[stratum for of_threshold in self.strata for stratum in of_threshold],
             notes=[*self.model.notes, *self._azimuth_notes],
@@ -200,7 +200,7 @@ def draw(
     u = uniform_numbers(model, plan, model.scenario.seed if seed is None else seed, plain=plain)
     whole = settings.azimuths == "integrated" or (settings.azimuths == "auto" and plan.total <= INTEGRATED)
     whole = whole and settings.integrates and azimuth is None and "azimuth_from_sun_deg" not in model.looks
-    where = conditions(model.table, u, model.when, model.where, by_daylight=True)
+    where = model.conditions(u, by_daylight=True)
     return evaluated(model, u, where, plan, azimuth, integrated=whole)
 
 
@@ -221,13 +221,8 @@ def evaluated(
     integrated: bool = False,
 ) -> Draws:
     """Evaluate looks in conditions that are drawn already; ``integrated`` evaluates the shares of their azimuths too."""
-    settings, table = model.settings, model.table
-    wind, cover, wind_from = (table[name][where.rows] for name in ("wind_speed_m_s", "cloud_cover", "wind_from_deg"))
-    if model.bandwidth:
-        # Away from 0 and 1, where the Gaussian quantile is infinite.
-        noise = np.clip(np.column_stack([u[f"smooth_{name}"] for name in model.bandwidth]), 1e-12, 1.0 - 1e-12)
-        rows = smoothed(table, where.rows, noise, model.bandwidth)
-        wind, cover = rows["wind_speed_m_s"], rows["cloud_cover"]
+    settings = model.settings
+    wind, cover, wind_from, air = model.weather(where, u)
     missing = model.scenario.wind.from_deg if model.gives_wind_direction else 360.0 * u["wind"]
     # Winds are named by where they come from.
     wind_to = np.radians(np.where(np.isnan(wind_from), missing, wind_from) + 180.0)
@@ -240,17 +235,7 @@ def evaluated(
     if azimuth is not None:
         relative = np.full(wind.size, azimuth)
     free = illuminated(cloud_law(model), cover, 0.5 * math.pi - zenith, overcast=settings.overcast_cover, aspect=settings.cloud_aspect)
-    columns = [
-        model.row_model[where.rows].astype(np.float64),
-        wind,
-        wind_to,
-        height,
-        zenith,
-        towards,
-        factor,
-        towards + relative,
-        depression,
-    ]
+    columns = [air.astype(np.float64), wind, wind_to, height, zenith, towards, factor, towards + relative, depression]
     # Looks under a Sun that is down or hidden for sure are passed over: their radiance is 0.
     at = np.flatnonzero((zenith < _SHINES) & (free > 0.0))
     chosen = np.empty((at.size, len(columns)))
@@ -288,12 +273,15 @@ def _varying(model: LikelihoodModel) -> list[str]:
     """Return the uniform numbers on which the draws of a scenario depend: points of fewer dimensions are more even."""
     settings, (lowest, highest) = model.settings, model.heights
     alone = settings.case == "single-look"
-    times, places = isinstance(model.when, Times), isinstance(model.where, GeographicRegion) and model.sun is None
+    if model.world is None:
+        times, places = isinstance(model.when, Times), isinstance(model.where, GeographicRegion) and model.sun is None
+    else:  # the weather depends on time and place even under a given Sun
+        times, places = not isinstance(model.when, float), not isinstance(model.where, tuple)
     depends = {
         "azimuth": settings.azimuth_from_sun_deg[0] < settings.azimuth_from_sun_deg[1],
         "hour": times,
         "row": True,
-        "cover": len(model.table) > 1,
+        "cover": model.table is None or len(model.table) > 1,
         "day": times,
         "depression": bool(model.looks) or (alone and settings.depression_deg[0] < settings.depression_deg[1]),
         "across": places,

@@ -14,10 +14,10 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.parameters import documented
-from seaglint.climate.conditions import conditions
 from seaglint.climate.draws import SamplingPlan
 from seaglint.climate.ephemeris import Ephemeris
 from seaglint.climate.weather_table import WeatherTable
+from seaglint.climate.world_weather import NAME
 from seaglint.formats.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel, likelihood_table
@@ -134,7 +134,7 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     latitude, longitude = _within(cells, "latitude_deg", 90.0), _within(cells, "longitude_deg", 360.0)
     bearing = _within(cells, _BEARING, 360.0) if _BEARING in cells.header else None
     likelihood_table(scenario)  # refused after the file of the track
-    model = LikelihoodModel.of(scenario.model_copy(update={"sun": None, "time": None, "place": None}), weather)
+    model = LikelihoodModel.of(_of_track(scenario, weather), weather)
     sky = Ephemeris.between(float(time[0]), float(time[-1]))
     thresholds = model.settings.threshold_w_m2_sr
     chance = np.empty((time.size, len(thresholds)))
@@ -148,7 +148,7 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
         model.__dict__.update(when=moment, where=(float(latitude[i]), float(longitude[i])))
         sun = sky.at(moment, latitude[i], longitude[i])
         look = None if bearing is None else float(np.radians(bearing[i]) - sun.azimuth[0])
-        drawn = evaluated(model, u, conditions(model.table, u, moment, model.where), plan, look)
+        drawn = evaluated(model, u, model.conditions(u), plan, look)
         for t, threshold in enumerate(thresholds):
             values = draw_values(model, drawn, threshold)
             chance[i, t] = values.mean()
@@ -169,6 +169,13 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
         for t, threshold in enumerate(thresholds)
     ]
     return TrackChances(float(step.sum()), results, way, list(model.notes))
+
+
+def _of_track(scenario: Scenario, weather: WeatherTable | None) -> Scenario:
+    """Return the scenario without its own Sun, time and place; the climatology is its weather by default, as all places are known."""
+    settings = likelihood_table(scenario)
+    update = {"place": None, **({"weather": Path(NAME)} if settings.weather is None and weather is None else {})}
+    return scenario.model_copy(update={"sun": None, "time": None, "place": None, "likelihood": settings.model_copy(update=update)})
 
 
 def spells(glints: np.ndarray, hours: FloatArray) -> Spells:
