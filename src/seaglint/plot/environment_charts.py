@@ -1,8 +1,8 @@
 """Charts of the environment: a profile of the air, a weather table, and the likelihood of glint.
 
 The profile shows temperature, humidity and refractivity, the lowest kilometre below the whole. The weather table is shown as wind rose,
-joint density of wind and cloud, means by month and missing values. The likelihood is drawn by threshold, bearing, month and hour, as maps
-by month, and as Fig. 5 of the source article.
+joint density of wind and cloud, means by month and missing values. The likelihood is drawn by threshold, bearing, month and hour, and as
+Fig. 5 of the source article.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from seaglint.climate.weather_table import MONTHS
 from seaglint.plot.figures_and_pages import new_figure, save_figure
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -223,29 +222,6 @@ def _bars(axes: Axes, rows: list[StratumChance], label: str) -> None:
     axes.bar(names, [row.share for row in rows], fill=False, edgecolor="black", label="share of all draws")
     axes.set(xlabel=label, ylabel="share [1]")
     axes.legend()
-
-
-def write_map(dataset: xr.Dataset, output: Path) -> None:
-    """Draw a map of the chance of glint for every month into a picture file."""
-    chance = dataset["probability"].isel(threshold=0)
-    months = chance.month.to_numpy().tolist()
-    columns = min(4, len(months))
-    rows = math.ceil(len(months) / columns)
-    figure = new_figure(3.2 * columns, 2.6 * rows + 0.6)
-    # Months without any glint still need a colour scale above 0.
-    most = max(float(chance.max()), 1e-6)
-    image = None
-    for i, month in enumerate(months):
-        axes = figure.add_subplot(rows, columns, i + 1)
-        image = axes.pcolormesh(chance.longitude, chance.latitude, chance.sel(month=month), cmap="magma", vmin=0.0, vmax=most)
-        axes.set_title(MONTHS[month - 1], fontsize=9)
-        axes.tick_params(labelsize=7)
-    if image is not None:
-        figure.colorbar(image, ax=figure.axes, label="probability [1]", shrink=0.8)
-    figure.supxlabel("longitude [deg]", fontsize=9)
-    figure.supylabel("latitude [deg]", fontsize=9)
-    figure.suptitle(f"glint above {float(chance.threshold):g} W m⁻² sr⁻¹, {dataset.attrs['case']}")
-    save_figure(figure, output, _DPI)
 
 
 def write_regions(result: dict[str, dict[str, FloatArray]], output: Path) -> None:

@@ -102,7 +102,9 @@ def plain_attributes(attributes: Mapping[Any, Any]) -> Attributes:
 
 def coordinate_encoding(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
     """Return the encoding of coordinates and bounds that have all their values: no ``_FillValue``, which CF 1.11, 2.5.1, forbids them."""
-    coordinates = {**dataset.coords, **{name: values for name, values in dataset.data_vars.items() if values.ndim < 2}}
+    bounds = {values.attrs.get("bounds") for values in dataset.coords.values()}
+    lines = {name: values for name, values in dataset.data_vars.items() if values.ndim < 2 or name in bounds}
+    coordinates = {**dataset.coords, **lines}
     return {name: {"_FillValue": None} for name, values in coordinates.items() if not bool(values.isnull().any())}
 
 

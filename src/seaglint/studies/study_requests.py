@@ -13,6 +13,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple, get_args
 
+from seaglint.base.errors import DataError
 from seaglint.base.parameters import Parameter, documented
 from seaglint.detection.detector_names import ANALYZED
 
@@ -339,8 +340,13 @@ class SweepRequest(WorkRequest):
 class LikelihoodRequest:
     """Request for the likelihood that glint exceeds thresholds, with the settings of the scenario's table ``[likelihood]``."""
 
-    by_month: Annotated[bool, Parameter("map the region of [likelihood] by month: OUT.nc or a folder", option="--map")] = False
-    step: Annotated[float, Parameter("step of the map [deg]", least=0.05, detail="It is width and height of a cell.")] = 1.0
+    by_month: Annotated[
+        bool, Parameter("map the region of [likelihood], or the world's seas, by month: OUT.nc or a folder", option="--map")
+    ] = False
+    step: Annotated[
+        float | None,
+        Parameter("step of the map [deg]; default: 1, or 4 for most of the globe", least=0.05, detail="It is width and height of a cell."),
+    ] = None
     track: Annotated[
         Path | None,
         Parameter(
@@ -348,6 +354,24 @@ class LikelihoodRequest:
             detail="Bearings are clockwise from north; without them azimuths from the Sun are those of the scenario.",
         ),
     ] = None
+    best: Annotated[
+        bool,
+        Parameter(
+            "bearing, depression and hour with the least glint at the scenario's place and a date: OUT.csv, .json, .png or a folder",
+            detail="Each direction has its chance over the weather of the month; all share their draws of weather.",
+        ),
+    ] = False
+    date: Annotated[
+        str | None, Parameter("date for `best`, UTC, e.g. 2026-06-21; default: that of [time]", metavar="DATE", subject="date")
+    ] = None
+
+    def __post_init__(self) -> None:
+        """Refuse several results at once, and a date without use."""
+        ways = [f"`{name}`" for name, given in (("by_month", self.by_month), ("track", self.track), ("best", self.best)) if given]
+        if len(ways) > 1:
+            raise DataError(f"{' and '.join(ways)} are given: a map, the way of a ship and the best look are different results; give one")
+        if self.date is not None and not self.best:
+            raise DataError(f"`date` = {self.date}: is for `best` alone; other results have the times of the scenario")
 
 
 Seed = Annotated[int, Parameter("of the random numbers: the same seed gives the same bytes", least=0)]  #: Seed of fits and samples.

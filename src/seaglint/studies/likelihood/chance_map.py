@@ -1,4 +1,4 @@
-"""Maps of the likelihood of glint over a region, month by month."""
+"""Maps of the likelihood of glint over a region or the world's seas, month by month."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ from seaglint.base.parameters import documented
 from seaglint.climate.conditions import Conditions, GeographicRegion, Times
 from seaglint.climate.draws import SamplingPlan
 from seaglint.climate.weather_table import WeatherTable
+from seaglint.climate.world_weather import WorldWeather
 from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
 from seaglint.scenario.model import Scenario
 from seaglint.store.provenance import provenance
 from seaglint.studies.build.profile_air import report_air
 from seaglint.studies.build.scenario_physics import band
-from seaglint.studies.likelihood.draw_model import LikelihoodModel
+from seaglint.studies.likelihood.draw_model import EVERYWHERE, LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
@@ -37,6 +38,10 @@ SAMPLES: Final = 512  #: Draws for each cell and month: chances within 0.02.
 
 INTEGRATED: Final = 64  #: Draws for each cell and month where each draw integrates over azimuths: standard error a tenth of the chance.
 
+STEP: Final = 1.0  #: Default size of a cell [deg].
+WIDE_STEP: Final = 4.0  #: Default size of a cell of maps with more than ``_WIDE`` cells of ``STEP`` [deg], about that of the climatology.
+
+_WIDE: Final = 10_000
 _SHARED: Final = 2048  #: Most draws for all cells of a latitude where longitude does not matter.
 
 _MOST: Final = 100_000
@@ -47,7 +52,7 @@ _TOGETHER: Final = 1_000_000  #: Draws of a piece at most: some 300 MB.
 def likelihood_map(
     scenario: Scenario,
     *,
-    step: float = 1.0,
+    step: float | None = None,
     samples: int | None = None,
     weather: WeatherTable | None = None,
     progress: Progress | None = None,
@@ -58,7 +63,7 @@ def likelihood_map(
     Parameters
     ----------
     scenario : Scenario
-        Scenario with a region in ``[likelihood]``.
+        Scenario with a region in ``[likelihood]``, or with the climatology of the world's seas.
     {request}
     samples : int, optional
         Draws for each cell and month; ``INTEGRATED`` where azimuths can be integrated, else ``SAMPLES``.
@@ -72,7 +77,10 @@ def likelihood_map(
     Returns
     -------
     Dataset
-        ``probability`` over ``threshold, month, latitude, longitude`` (middles of cells); ``rows``, the rows of weather in each cell.
+        ``probability`` over ``threshold, month, latitude, longitude`` (middles of cells, longitudes eastwards from the western border, and
+        beyond 180 deg across the date line), NaN on land, with the cells' borders ``latitude_bnds`` and ``longitude_bnds``, by the CF
+        conventions. ``rows`` is the number of rows of weather in each cell; of the climatology ``observations`` is the number of wind
+        observations by month in the cell of the climatology about the middle, 0 where a month is interpolated.
 
     Raises
     ------
@@ -91,7 +99,8 @@ def likelihood_map(
     cells = PreparedMap.of(settings)
     report = progress or (lambda done, total: None)
     latitude, longitude, months = cells.latitude, cells.longitude, cells.months
-    out = np.empty((len(cells.model.settings.threshold_w_m2_sr), len(months), latitude.size, longitude.size))
+    thresholds = cells.model.settings.threshold_w_m2_sr
+    out = np.empty((len(thresholds), len(months), latitude.size, longitude.size))
     pieces = [(m, first) for m in range(len(months)) for first in range(0, latitude.size, cells.together)]
     left = Counter(m for m, _ in pieces)
     report(0, len(months))
@@ -101,16 +110,20 @@ def likelihood_map(
             left[m] -= 1
             if not left[m]:
                 report(sum(not n for n in left.values()), len(months))
+    cell = {"cell_methods": "area: mean month: mean"}
+    chance = {"units": "1", "long_name": "chance that mirrored sunlight exceeds the threshold"} | cell
     return xr.Dataset(
         {
-            "probability": (("threshold", "month", "latitude", "longitude"), out, {"units": "1"}),
-            "rows": (("latitude", "longitude"), cells.row_counts, {"units": "1"}),
+            "probability": (("threshold", "month", "latitude", "longitude"), out, chance),
+            **cells.support,
+            "latitude_bnds": (("latitude", "bnds"), _borders(latitude, cells.step)),
+            "longitude_bnds": (("longitude", "bnds"), _borders(longitude, cells.step)),
         },
         coords={
-            "threshold": ("threshold", list(cells.model.settings.threshold_w_m2_sr), {"units": "W m-2 sr-1"}),
-            "month": list(months),
-            "latitude": ("latitude", latitude, {"units": "degrees_north"}),
-            "longitude": ("longitude", longitude, {"units": "degrees_east"}),
+            "threshold": ("threshold", list(thresholds), {"units": "W m-2 sr-1", "long_name": "threshold of the radiance at the sensor"}),
+            "month": ("month", list(months), {"units": "1", "long_name": "month of the year"}),
+            "latitude": ("latitude", latitude, _axis("latitude", "degrees_north", "Y")),
+            "longitude": ("longitude", longitude, _axis("longitude", "degrees_east", "X")),
         },
         attrs=provenance(
             "Likelihood of sea glint by month",
@@ -119,16 +132,25 @@ def likelihood_map(
             case=cells.model.settings.case,
             quantity=cells.model.settings.quantity,
             samples=cells.plan.total,
-            notes="; ".join(cells.model.notes),
+            notes="\n".join(cells.notes),
         ),
     )
+
+
+def _axis(name: str, units: str, axis: str) -> dict[str, str]:
+    return {"units": units, "standard_name": name, "long_name": name, "axis": axis, "bounds": f"{name}_bnds"}
+
+
+def _borders(middles: FloatArray, step: float) -> FloatArray:
+    """Return both borders of cells [deg, (n, 2)]."""
+    return np.stack([middles - 0.5 * step, middles + 0.5 * step], axis=1)
 
 
 class MapSettings(NamedTuple):
     """Settings of a map; see ``likelihood_map``."""
 
     scenario: Scenario
-    step: float
+    step: float | None
     samples: int | None
     weather: WeatherTable | None
 
@@ -146,22 +168,28 @@ class PreparedMap:
     plan: SamplingPlan  #: Draws of a cell.
     whole: bool  #: Whether azimuths are integrated.
     step: float  #: Size of a cell [deg].
+    notes: tuple[str, ...]  #: Remarks on the data and the cells.
 
     @classmethod
     def of(cls, settings: MapSettings) -> PreparedMap:
         """Read the weather and lay out the cells."""
-        step = settings.step
         model = LikelihoodModel.of(settings.scenario, settings.weather)
         likelihood = model.settings
-        if not isinstance(model.where, GeographicRegion):
-            raise ScenarioError("likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders")
-        region = model.where
+        region = EVERYWHERE if model.where is None and model.world is not None else model.where
+        if not isinstance(region, GeographicRegion):
+            missing = "likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders"
+            raise ScenarioError(f"{missing}, or weather = 'world' without a place for all seas")
         # A region may cross the date line.
         wide = region.east - region.west if region.east > region.west else region.east - region.west + 360.0
+        step, notes = settings.step or STEP, list(model.notes)
+        if settings.step is None and (region.north - region.south) * wide > _WIDE * STEP**2:
+            step = WIDE_STEP
+            notes.append(f"cells of {step:g} deg, as the region is wide; another size by `step`")
         north, east = (np.arange(0.5 * step, size + 1e-9, step) for size in (region.north - region.south, wide))
         if north.size == 0 or east.size == 0 or north.size * east.size > _MOST:
             raise ScenarioError(f"the map has {north.size} x {east.size} cells of {step:g} deg; choose step so that there are 1 to {_MOST}")
-        latitude, longitude = region.south + north, (region.west + east + 180.0) % 360.0 - 180.0
+        # Longitudes ascend, also across the date line.
+        latitude, longitude = region.south + north, region.west + east
         rows = None if model.table is None else _cells(model.table, latitude, longitude)
         whole = likelihood.integrates and likelihood.azimuths != "drawn" and "azimuth_from_sun_deg" not in model.looks
         samples = settings.samples or (INTEGRATED if whole else SAMPLES)
@@ -181,6 +209,7 @@ class PreparedMap:
             plan=plan,
             whole=whole,
             step=step,
+            notes=tuple(notes),
         )
 
     @property
@@ -189,12 +218,19 @@ class PreparedMap:
         return max(_TOGETHER // (self.plan.total * self.across.size), 1)
 
     @property
-    def row_counts(self) -> NDArray[np.int64]:
-        """Number of rows of weather of each cell [(latitudes, longitudes)]."""
-        shape = (self.latitude.size, self.longitude.size)
-        if self.model.table is None:
-            return np.zeros(shape, dtype=np.int64)
-        return np.full(shape, len(self.model.table)) if self.rows is None else np.array([c.size for c in self.rows]).reshape(shape)
+    def support(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.int64], dict[str, str]]]:
+        """Variable of the data behind each cell: rows of weather, or observations of the climatology by month."""
+        shape, world = (self.latitude.size, self.longitude.size), self.model.world
+        if world is not None:
+            row, column = world.cell_of(*np.meshgrid(self.latitude, self.longitude, indexing="ij"))
+            inside = (row >= 0) & (row < world.latitude.size)
+            months = np.array(self.months)[:, None, None] - 1
+            counts = np.where(inside, world.observations[months, np.where(inside, row, 0), column], 0.0)
+            name = {"units": "1", "long_name": "wind observations of the climatology"}
+            return {"observations": (("month", "latitude", "longitude"), np.rint(counts).astype(np.int64), name)}
+        assert self.model.table is not None  # one of both is given
+        rows = np.full(shape, len(self.model.table)) if self.rows is None else np.array([c.size for c in self.rows]).reshape(shape)
+        return {"rows": (("latitude", "longitude"), rows, {"units": "1", "long_name": "rows of weather"})}
 
     def piece(self, month: int, first: int) -> FloatArray:
         """Return chances of a month, by its place among the months, from a latitude on [(thresholds, latitudes, longitudes drawn)]."""
@@ -202,6 +238,8 @@ class PreparedMap:
         band = slice(first, min(first + self.together, self.latitude.size))
         count = (band.stop - first) * self.across.size
         places = _inside(self.latitude[band], self.across, self.step, u)
+        if self.model.world is not None:
+            places = _at_sea(places, self.model.world, self.plan.total)
         tiled = {name: np.tile(values, count) for name, values in u.items()}
         of_cells = None if self.rows is None else self.rows[first * self.across.size :][:count]
         drawn = evaluated(of_month, tiled, _drawn(of_month, tiled, places, of_cells), self.plan, integrated=self.whole)
@@ -269,6 +307,17 @@ def _inside(latitude: FloatArray, longitude: FloatArray, step: float, u: dict[st
     east = (longitude[:, None] + step * (u["along"] - 0.5) + 180.0) % 360.0 - 180.0
     shape = (latitude.size, longitude.size, u["across"].size)
     return np.broadcast_to(north, shape).ravel(), np.broadcast_to(east, shape).ravel()
+
+
+def _at_sea(places: tuple[FloatArray, FloatArray], world: WorldWeather, total: int) -> tuple[FloatArray, FloatArray]:
+    """Return places of which those on land are replaced by those at sea in the same cell, so that all draws of coastal cells count."""
+    sea = world.at_sea(*places).reshape(-1, total)
+    from_place = np.tile(np.arange(total), (sea.shape[0], 1))
+    count = sea.sum(axis=1)
+    for cell in np.flatnonzero((count > 0) & (count < total)):
+        # Each place at sea serves equally often.
+        from_place[cell, ~sea[cell]] = np.flatnonzero(sea[cell])[np.arange(total - count[cell]) * count[cell] // (total - count[cell])]
+    return tuple(np.take_along_axis(values.reshape(sea.shape), from_place, axis=1).ravel() for values in places)  # type: ignore[return-value]
 
 
 def _cells(table: WeatherTable, latitude: FloatArray, longitude: FloatArray) -> list[NDArray[np.intp]] | None:

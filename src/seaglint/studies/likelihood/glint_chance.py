@@ -216,7 +216,7 @@ def evaluated(
     u: dict[str, FloatArray],
     where: Conditions,
     plan: SamplingPlan,
-    azimuth: float | None = None,
+    azimuth: FloatArray | float | None = None,
     *,
     integrated: bool = False,
 ) -> Draws:
@@ -236,15 +236,16 @@ def evaluated(
         relative = np.full(wind.size, azimuth)
     free = illuminated(cloud_law(model), cover, 0.5 * math.pi - zenith, overcast=settings.overcast_cover, aspect=settings.cloud_aspect)
     columns = [air.astype(np.float64), wind, wind_to, height, zenith, towards, factor, towards + relative, depression]
-    # Looks under a Sun that is down or hidden for sure are passed over: their radiance is 0.
-    at = np.flatnonzero((zenith < _SHINES) & (free > 0.0))
+    weight = np.ones(wind.size) if where.weight is None else where.weight
+    # Looks under a Sun that is down or hidden for sure, and on land, are passed over: their radiance is 0.
+    at = np.flatnonzero((zenith < _SHINES) & (free > 0.0) & (weight > 0.0))
     chosen = np.empty((at.size, len(columns)))
     for i, column in enumerate(columns):
         chosen[:, i] = column[at]
     return Draws(
         plan=plan,
         where=where,
-        weight=np.ones(wind.size) if where.weight is None else where.weight,
+        weight=weight,
         sight=_everywhere(looks(chosen, model.light, model.seas, model.search), at, wind.size),
         illuminated=free,
         wind=wind,
