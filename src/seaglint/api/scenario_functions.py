@@ -320,6 +320,9 @@ def likelihood(
     by_month: bool = False,
     step: float = 1.0,
     track: str | Path | None = None,
+    forecast: str | Path | None = None,
+    wind_spread: float = 0.0,
+    cover_spread: float = 0.0,
     workers: int | Workers | None = None,
     progress: Progress | None = None,
 ) -> ResultRecord | xr.Dataset:
@@ -339,7 +342,8 @@ def likelihood(
     -------
     ResultRecord or xarray.Dataset
         Chances of the thresholds with their intervals and causes, ``plot()`` draws them; with ``by_month`` a map, ``probability`` [1] over
-        ``threshold, month, latitude, longitude``; with ``track`` the chance of each threshold [1] over ``time`` along the way.
+        ``threshold, month, latitude, longitude``; with ``track`` the chance of each threshold [1] over ``time`` along the way, and with
+        ``forecast`` beside it ``forecast_probability`` and the weather of the forecast.
 
     Raises
     ------
@@ -354,21 +358,18 @@ def likelihood(
     >>> 0.0 <= chances["results"][0]["probability"] <= 1.0
     True
     """
-    from seaglint.base.errors import DataError
-
     loaded = scenario_of(scenario)
-    # A map and a track are different results, so one of them would be lost.
-    if by_month and track is not None:
-        raise DataError("by_month and track are both given: a map, or the way of a ship; give one of them")
+    way, ahead = (None if path is None else Path(path) for path in (track, forecast))
+    LikelihoodRequest(by_month=by_month, step=step, track=way, forecast=ahead, wind_spread=wind_spread, cover_spread=cover_spread).check()
     if by_month:
         from seaglint.studies.likelihood.chance_map import likelihood_map
 
         with team_of(workers) as team:
             return likelihood_map(loaded, step=step, progress=progress, workers=team)
-    if track is not None:
+    if way is not None:
         from seaglint.studies.likelihood.ship_track import along_track
 
-        return along_track(loaded, Path(track)).dataset()
+        return along_track(loaded, way, forecast=ahead, wind_spread=wind_spread, cover_spread=cover_spread).dataset()
     from seaglint.studies.likelihood.glint_chance import likelihood as computed
 
     result = computed(loaded, progress=progress)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple, get_args
 
+from seaglint.base.errors import DataError
 from seaglint.base.parameters import Parameter, documented
 from seaglint.detection.detector_names import ANALYZED
 
@@ -348,6 +349,37 @@ class LikelihoodRequest:
             detail="Bearings are clockwise from north; without them azimuths from the Sun are those of the scenario.",
         ),
     ] = None
+    forecast: Annotated[
+        Path | None,
+        Parameter(
+            "forecast of wind and cloud cover beside the climatology along the track: GRIB or NetCDF",
+            detail="Members of an ensemble are equally likely.",
+        ),
+    ] = None
+    wind_spread: Annotated[float, Parameter("standard deviation of the wind speed about the forecast [m/s]", least=0.0)] = 0.0
+    cover_spread: Annotated[float, Parameter("standard deviation of the cloud cover about the forecast [share of the sky]", least=0.0)] = (
+        0.0
+    )
+
+    def check(self) -> None:
+        """Refuse options that do not belong together, and errors of a forecast outside their range.
+
+        Raises
+        ------
+        DataError
+            A map and a track, a forecast without a track, or errors without a forecast.
+        """
+        # A map and a track are different results, so one of them would be lost.
+        if self.by_month and self.track is not None:
+            raise DataError("a map by month and a track are both given: a map, or the way of a ship; give one of them")
+        if self.forecast is not None and self.track is None:
+            raise DataError("a forecast is given without a track: it is read at the times and places of one; give track, a CSV of the way")
+        for name, most, unit in (("wind_spread", 50.0, "m/s"), ("cover_spread", 1.0, "share of the sky")):
+            value = getattr(self, name)
+            if not 0.0 <= value <= most:
+                raise DataError(f"{name} = {value:g} is outside 0 to {most:g} ({unit}); give the standard deviation of the forecast")
+            if value > 0.0 and self.forecast is None:
+                raise DataError(f"{name} = {value:g} is given without a forecast, whose error it is; give forecast, or leave it out")
 
 
 Seed = Annotated[int, Parameter("of the random numbers: the same seed gives the same bytes", least=0)]  #: Seed of fits and samples.

@@ -1,7 +1,7 @@
 """Rows of weather from a grid: ERA5 single levels, NetCDF before and after the new layout of September 2024, and GRIB; also other centres'.
 
 ERA5 before: dimension ``time``, packed shorts with scale and offset, and a dimension ``expver`` where final (1) and preliminary (5) months
-meet, each empty where the other has values. After: dimension ``valid_time``, floats, ``expver`` and ``number`` beside it. Latitudes descend,
+meet, each empty where the other has values. After: dimension ``valid_time``, floats, ``expver`` and ``number`` beside it. Latitudes fall,
 longitudes run 0 to 359.75 or -180 to 179.75. Winds are components that the air blows towards; the sea's temperature and waves are masked on
 land. Waves come in separate files, on a grid half as fine: they are joined by time and nearest place.
 
@@ -99,7 +99,12 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
         notes += (f"not in the file: {', '.join(lacking)}",)
     era5 = all(grid.names[name] == name for name in own)
     return WeatherSource(
-        path, "ERA5" if era5 else "weather grid", columns, total, left_out=left_out, notes=(*notes, "rows weigh as the area of their cell, cos(latitude)")
+        path,
+        "ERA5" if era5 else "weather grid",
+        columns,
+        total,
+        left_out=left_out,
+        notes=(*notes, "rows weigh as the area of their cell, cos(latitude)"),
     ).within_ranges()
 
 

@@ -63,16 +63,10 @@ class Quantity:
 #: Quantities that are read, by the names of ERA5.
 QUANTITIES: Final[Mapping[str, Quantity]] = {
     "u10": Quantity(
-        _SPEED,
-        ("u10", "10u", "UGRD_10maboveground", "ugrd10m", "u-component_of_wind_height_above_ground", "UGRD"),
-        "eastward_wind",
-        10.0,
+        _SPEED, ("u10", "10u", "UGRD_10maboveground", "ugrd10m", "u-component_of_wind_height_above_ground", "UGRD"), "eastward_wind", 10.0
     ),
     "v10": Quantity(
-        _SPEED,
-        ("v10", "10v", "VGRD_10maboveground", "vgrd10m", "v-component_of_wind_height_above_ground", "VGRD"),
-        "northward_wind",
-        10.0,
+        _SPEED, ("v10", "10v", "VGRD_10maboveground", "vgrd10m", "v-component_of_wind_height_above_ground", "VGRD"), "northward_wind", 10.0
     ),
     "tcc": Quantity(
         _SHARE,
@@ -181,13 +175,15 @@ def open_grid(path: Path, *, join: Literal["outer", "inner"] = "outer") -> Weath
     for name, field in (_grib_fields if is_grib(path) else _netcdf_fields)(path, notes):
         names.setdefault(name, str(field.name))
         units[name] = _unit(path, name, field)
-        names |= {"member": dim for dim in map(str, field.dims) if dim in _MEMBERS and field.sizes[dim] > 1}
+        names.update(("member", dim) for dim in _MEMBERS if field.sizes.get(dim, 1) > 1)
         field = _with_dimensions(path, name, field)
         fields[name] = fields[name].combine_first(field) if name in fields else field
     # Numbers of fields at the same place are the same to the last bit: grids of one file need no tolerance.
     data = xr.merge([field.rename(name) for name, field in fields.items()], join=join, compat="override", combine_attrs="drop")
     if not all(data.sizes.values()):
-        raise DataError(f"{path}: {', '.join(names[name] for name in fields)} have no times and places in common; bring a file in which they have")
+        raise DataError(
+            f"{path}: {', '.join(names[name] for name in fields)} have no times and places in common; bring a file in which they have"
+        )
     order = [dim for dim in ("time", "member", "latitude", "longitude") if dim in data.dims]
     return WeatherGrid(path, data[[name for name in QUANTITIES if name in fields]].transpose(*order), units, names, tuple(notes))
 
@@ -239,7 +235,9 @@ def _place_names(path: Path, data: Any) -> dict[str, str]:
         if name in data.coords:
             continue
         alike = [str(n) for n in data.coords if str(n).lower() in (name, short)]
-        alike = alike or [str(n) for n in data.coords if name in (data[n].attrs.get("standard_name"),) or data[n].attrs.get("units") == unit]
+        alike = alike or [
+            str(n) for n in data.coords if name in (data[n].attrs.get("standard_name"),) or data[n].attrs.get("units") == unit
+        ]
         if not alike:
             coords = ", ".join(map(str, data.coords))
             raise DataError(f"{path}: has {coords or 'no coordinates'}; a file of weather has time, latitude and longitude")

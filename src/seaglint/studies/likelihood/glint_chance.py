@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,14 @@ NEEDED_SHARES: Final = (0.5, 0.1, 0.05, 0.01, 0.001)  #: Shares of looks for whi
 INTEGRATED: Final = 131_072
 
 _SHINES: Final = 0.5 * math.pi + 0.3  #: Zenith angle of the Sun beyond which no place in view can be lit [rad].
+
+
+class GivenWeather(NamedTuple):
+    """Weather of every draw that replaces the weather of its conditions [(total,) each]."""
+
+    wind: FloatArray  #: Wind speed [m/s].
+    cover: FloatArray  #: Cloud cover [1].
+    wind_from: FloatArray  #: Direction from which the wind comes [deg]; NaN where it is drawn as without a direction.
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,9 +212,11 @@ def draw(
     return evaluated(model, u, where, plan, azimuth, integrated=whole)
 
 
-def uniform_numbers(model: LikelihoodModel, plan: SamplingPlan, seed: int, *, plain: bool = False) -> dict[str, FloatArray]:
-    """Return uniform numbers of draws by name [(total,) each]; 0 for numbers on which the scenario does not depend."""
-    names = (*_varying(model), *(f"smooth_{name}" for name in model.bandwidth))
+def uniform_numbers(
+    model: LikelihoodModel, plan: SamplingPlan, seed: int, *, plain: bool = False, more: tuple[str, ...] = ()
+) -> dict[str, FloatArray]:
+    """Return uniform numbers of draws by name [(total,) each], with ``more`` names; 0 where the scenario does not depend on them."""
+    names = (*_varying(model), *(f"smooth_{name}" for name in model.bandwidth), *more)
     points = plan.uniform(len(names), seed, plain=plain)
     return {name: np.zeros(plan.total) for name in DIMENSIONS} | {name: np.ascontiguousarray(points[:, i]) for i, name in enumerate(names)}
 
@@ -219,8 +229,12 @@ def evaluated(
     azimuth: float | None = None,
     *,
     integrated: bool = False,
+    given: GivenWeather | None = None,
 ) -> Draws:
-    """Evaluate looks in conditions that are drawn already; ``integrated`` evaluates the shares of their azimuths too."""
+    """Evaluate looks in conditions that are drawn already; ``integrated`` evaluates the shares of their azimuths too.
+
+    ``given`` replaces wind and cover of the conditions, of which the model atmosphere, time and place remain.
+    """
     settings, table = model.settings, model.table
     wind, cover, wind_from = (table[name][where.rows] for name in ("wind_speed_m_s", "cloud_cover", "wind_from_deg"))
     if model.bandwidth:
@@ -228,6 +242,8 @@ def evaluated(
         noise = np.clip(np.column_stack([u[f"smooth_{name}"] for name in model.bandwidth]), 1e-12, 1.0 - 1e-12)
         rows = smoothed(table, where.rows, noise, model.bandwidth)
         wind, cover = rows["wind_speed_m_s"], rows["cloud_cover"]
+    if given is not None:
+        wind, cover, wind_from = given
     missing = model.scenario.wind.from_deg if model.gives_wind_direction else 360.0 * u["wind"]
     # Winds are named by where they come from.
     wind_to = np.radians(np.where(np.isnan(wind_from), missing, wind_from) + 180.0)
