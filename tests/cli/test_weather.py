@@ -169,3 +169,18 @@ def _bad(folder: Path) -> Path:
     path = folder / "bad.csv"
     path.write_text("wind,cloud\n1,2\n")
     return path
+
+
+def test_the_climatology_is_described_and_built_from(seaglint, tmp_path: Path) -> None:
+    facts = json.loads(seaglint("weather", "info", "world", "--json").out)
+    assert facts["rows"] == 1788 * 12 * 99
+    assert any("rest on fewer than 10 wind observations" in note for note in facts["notes"])
+    assert facts["columns"]["wind_speed_m_s"]["mean"] == pytest.approx(7.14, abs=0.02)
+    out = seaglint("weather", "build", "world", "--place", "30,-60", "--months", "7", "-o", tmp_path / "bermuda.csv")
+    assert "99 rows written" in out.err
+    assert "world: climatology, 99 records, 99 rows" in out.err
+    box = seaglint("weather", "build", "world", "--box", "-60,30,-50,40", "-o", tmp_path / "box.csv")
+    assert f"{3 * 3 * 12 * 99} rows written" in box.err
+    land = seaglint("weather", "build", "world", "--place", "48.1,11.6", "-o", tmp_path / "land.csv")
+    assert land.code == 2
+    assert "nearest sea of the climatology is [54, 5]" in land.err

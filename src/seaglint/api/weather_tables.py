@@ -38,7 +38,8 @@ def build(
     Parameters
     ----------
     sources : path or sequence of path
-        ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, weather tables, CSV with ``columns``.
+        ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, weather tables, CSV with ``columns``; or ``world``, the climatology in the
+        package.
     output : path, optional
         Table to write too: ``.csv``, or ``.parquet`` where PyArrow is installed.
     box : (float, float, float, float), optional
@@ -115,7 +116,7 @@ def info(table: str | Path = "north-atlantic") -> ResultRecord:
     Parameters
     ----------
     table : str or path
-        Weather table, or ``north-atlantic`` for the one in the package.
+        Weather table, or one of the package: ``world``, ``north-atlantic``.
 
     Returns
     -------

@@ -19,7 +19,7 @@ weather = typer.Typer(help="Tables of weather: how often which conditions come."
 def build(
     sources: Annotated[
         list[Path],
-        typer.Argument(metavar="SOURCES...", help="ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, weather tables, CSV with --map"),
+        typer.Argument(metavar="SOURCES...", help="ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, weather tables, CSV with --map; or world"),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="table to write: .csv, or .parquet where PyArrow is installed")],
     box: Annotated[str | None, typer.Option("--box", metavar="W,S,E,N", help="places inside [deg]; west beyond east crosses 180")] = None,
@@ -38,7 +38,7 @@ def build(
         list[str] | None, typer.Option("--fill", metavar="NAME=VALUE", help="value where one is missing, e.g. cloud_cover=0.6; repeat")
     ] = None,
     utc: Annotated[bool, typer.Option("--utc", help="times of CSV files without a zone are UTC")] = False,
-    place: Annotated[str | None, typer.Option("--place", metavar="LAT,LON", help="place of a source that has none [deg]")] = None,
+    place: Annotated[str | None, typer.Option("--place", metavar="LAT,LON", help="place of a source that has none, or of rows of world [deg]")] = None,
     anemometer: Annotated[
         float | None, typer.Option("--anemometer-height", help="of NDBC buoys [m]; winds are brought from there to 10 m")
     ] = None,
@@ -72,7 +72,7 @@ def build(
 
 @weather.command()
 def info(
-    table: Annotated[str, typer.Argument(metavar="FILE", help="weather table, or 'north-atlantic' for the one in the package")],
+    table: Annotated[str, typer.Argument(metavar="FILE", help="weather table, or one of the package: world, north-atlantic")],
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
     plot: Annotated[Path | None, typer.Option("--plot", help="picture to write: wind rose, joint density, months, missing values")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the picture")] = False,

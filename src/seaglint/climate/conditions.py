@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import Final, Literal, NamedTuple
 
@@ -344,6 +344,15 @@ class Conditions:
     weight: FloatArray | None = None  #: Weight of each draw [1], 1 on average; all the same where it is not given.
 
 
+class WeatherOfDraws(NamedTuple):
+    """Weather of every draw [(n,) each]."""
+
+    wind: FloatArray  #: Wind speed at 10 m [m/s].
+    cover: FloatArray  #: Cloud cover [1].
+    wind_from: FloatArray  #: Direction that the wind comes from [deg]; NaN where it is not known.
+    model: NDArray[np.int64]  #: Place of the model atmosphere among the models of the draws.
+
+
 def months_of(time: FloatArray) -> NDArray[np.int64]:
     """Calendar month, 1 to 12, of seconds since 1970-01-01 UTC."""
     return np.asarray(time.astype("datetime64[s]").astype("datetime64[M]").astype(np.int64) % 12 + 1)
@@ -390,20 +399,31 @@ def conditions(
         return Conditions(draw_pairs(table, row, uniform["cover"]), nowhere, nowhere, nowhere)
     if where is None:
         return _of_rows(table, uniform, when)
-    place = (
-        where.draw(uniform["across"], uniform["along"]) if isinstance(where, GeographicRegion) else [np.full(row.size, x) for x in where]
-    )
+    drawn = times_and_places(uniform, when, where, by_daylight=by_daylight)
+    rows = _rows_at(table, row, uniform["cover"], drawn.time, np.arange(len(table)) if some is None else some)
+    return replace(drawn, rows=rows)
+
+
+def times_and_places(
+    uniform: Mapping[str, FloatArray],
+    when: Times | float,
+    where: GeographicRegion | tuple[float, float] | tuple[FloatArray, FloatArray],
+    *,
+    by_daylight: bool = False,
+) -> Conditions:
+    """Draw times and places; parameters as in ``conditions``. The rows are 0."""
+    count = uniform["row"].size
+    place = where.draw(uniform["across"], uniform["along"]) if isinstance(where, GeographicRegion) else [np.full(count, x) for x in where]
     weight = None
     if isinstance(when, float):
-        time = np.full(row.size, when)
+        time = np.full(count, when)
     elif by_daylight:
         day = when.day(uniform["day"])
         hours = hours_of_light(uniform["hour"], *arc(day, place[0], place[1]), when.hours)
         time, weight = day + 3600.0 * hours.hour, hours.weight
     else:
         time = when.draw(uniform["day"], uniform["hour"])
-    rows = _rows_at(table, row, uniform["cover"], time, np.arange(len(table)) if some is None else some)
-    return Conditions(rows, time, place[0], place[1], weight)
+    return Conditions(np.zeros(count, dtype=np.int64), time, place[0], place[1], weight)
 
 
 def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> IntArray:

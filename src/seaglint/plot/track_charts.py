@@ -24,6 +24,8 @@ def write_track(chances: TrackChances, output: Path) -> None:
 
 def draw_track(chances: TrackChances) -> Figure:
     """Draw chances of each threshold, wind and cloud cover of the forecast where there is one, and the Sun's elevation against time."""
+    from matplotlib.dates import ConciseDateFormatter
+
     forecast = chances.has_forecast
     figure = new_figure(9.0, 6.5 if forecast else 5.0)
     panels = figure.subplots(3 if forecast else 2, 1, sharex=True, height_ratios=(2.2, 1.3, 1.0) if forecast else (2.2, 1.0))
@@ -41,14 +43,17 @@ def draw_track(chances: TrackChances) -> Figure:
     elevation = chances.over_time("sun_elevation_deg")
     bottom.plot(chances.time, elevation, color="tab:orange")
     bottom.axhline(0.0, color="0.5", linewidth=0.8)
-    bottom.set(ylabel="Sun's elevation [deg]", xlabel="time (UTC)")
+    bottom.set(ylabel="Sun's elevation\n[deg]", xlabel="time (UTC)")
+    # Nights, in which there is no glint, are grey, to a tenth of the steps of the track.
+    seconds = chances.time.astype("datetime64[s]").astype(np.float64)
+    fine = np.interp(np.arange(10 * seconds.size - 9) / 10.0, np.arange(seconds.size), seconds)
+    night = np.interp(fine, seconds, elevation) < 0.0
     for axes in panels:
         axes.grid(alpha=0.3)
-        # Nights, in which there is no glint, are grey.
-        axes.fill_between(
-            chances.time, 0.0, 1.0, where=elevation < 0.0, transform=axes.get_xaxis_transform(), color="0.5", alpha=0.15, linewidth=0
-        )
-    figure.autofmt_xdate(rotation=0, ha="center")
+        grey = {"transform": axes.get_xaxis_transform(), "color": "0.5", "alpha": 0.15, "linewidth": 0}
+        axes.fill_between(fine.astype("datetime64[s]"), 0.0, 1.0, where=night, **grey)
+    figure.align_ylabels(panels)
+    bottom.xaxis.set_major_formatter(ConciseDateFormatter(bottom.xaxis.get_major_locator()))  # type: ignore[no-untyped-call]
     return figure
 
 

@@ -18,7 +18,7 @@ from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_
 from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, LowtranFortranAtmosphere, TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.records.object_tables import Object, in_degrees, with_names
-from seaglint.scenario.records.quantities import YEARS, Quantity, Record, about, rule
+from seaglint.scenario.records.quantities import PACKAGED, YEARS, Quantity, Record, about, rule
 from seaglint.scenario.records.sea_tables import FlatSlopes, Sea, SpectrumSlopes, Wind
 from seaglint.scenario.records.sensor_table import Sensor
 from seaglint.scenario.records.small_tables import TABLE_BANDS_TEXT, BandSettings, Mean, Place, Platform, Render, Sun, Time
@@ -72,6 +72,11 @@ class Scenario(Record):
                     text = f"is given together with a region or places of weather in [likelihood]; leave [{key}] or those out"
                     raise rule(key, text)
             return self
+        if self.likelihood is not None and self.sun is None and self.place is None:
+            if self.likelihood.place is not None:
+                return self
+            if self.likelihood.of_the_world and self.time is None:
+                return self
         if self.sun is None and self.place is None:
             raise rule("place", "is missing: [time] needs [place] latitude_deg, longitude_deg to find the Sun; or give [sun] instead")
         if self.sun is None and self.time is None and self.likelihood is None:
@@ -164,4 +169,7 @@ class Scenario(Record):
 def _places_itself(raw: TomlTables) -> bool:
     """Return true where a ``[likelihood]`` not yet validated names a region, or takes places from its weather."""
     table = raw.get("likelihood")
-    return isinstance(table, dict) and (table.get("latitudes_deg") is not None or table.get("place_from_weather") is True)
+    if not isinstance(table, dict):
+        return False
+    placed = any(table.get(key) is not None for key in ("latitudes_deg", "place"))
+    return placed or table.get("place_from_weather") is True or str(table.get("weather")) == PACKAGED[0]

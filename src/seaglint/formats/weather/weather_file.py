@@ -18,6 +18,7 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.climate.weather_columns import MappedColumn
 from seaglint.climate.weather_selection import Selection
 from seaglint.climate.weather_table import NEEDED, RANGES, TEXTS, WeatherTable
+from seaglint.climate.world_weather import FEW, NAME, few_observations, world_weather
 from seaglint.formats.tables.table_text import require_parquet
 from seaglint.formats.weather import era5_weather as era5
 from seaglint.formats.weather import marine_reports
@@ -27,7 +28,9 @@ from seaglint.store.outputs import moved_when_whole, refuse_existing, write_text
 
 SUFFIXES: Final = (".csv", ".parquet")  #: Endings of the files that are written.
 
-SHIPPED: Final = ("north-atlantic",)  #: Names of the tables in the package.
+NORTH_ATLANTIC: Final = "north-atlantic"  #: Name of the table in the package: the climatology's mean over 40-60 N, 10-50 W.
+
+SHIPPED: Final = (NAME, NORTH_ATLANTIC)  #: Names of the weather in the package.
 
 _NOTES: Final = b"seaglint_weather_notes"
 
@@ -51,8 +54,51 @@ def read_weather(path: str | Path) -> WeatherFile:
     BackendError
         A Parquet file, and PyArrow is not installed.
     """
+    if is_world(path):
+        north, east, area = world_weather().cells()
+        return WeatherFile(world_weather().table(north, east, area=area), notes_of_world())
     path = shipped(str(path)) if str(path) in SHIPPED and not Path(path).exists() else Path(path)
     return _read_parquet(path) if path.suffix.lower() == ".parquet" else _read_csv(path)
+
+
+def is_world(path: str | Path) -> bool:
+    """Return true for the name of the climatology, where no file has it."""
+    return str(path) == NAME and not Path(path).exists()
+
+
+def notes_of_world() -> tuple[str, ...]:
+    """Notes on the climatology as a table of rows."""
+    counts = world_weather().observations[:, world_weather().sea]
+    return (
+        "monthly means of ships' observations in cells of 4 x 5 deg, 70 S to 78 N (Esbensen and Kushnir 1981); land, ice and inland seas "
+        "such as the Mediterranean have no data",
+        f"{int(np.sum((counts > 0.0) & (counts < FEW - 0.5)))} of {int(np.sum(counts > 0.0))} months of cells rest on fewer than {FEW} "
+        f"wind observations; {int(np.sum(counts == 0.0))} without any are interpolated between months",
+        "wind by Weibull laws of shape 2.1 to 3, cloud cover by beta laws in oktas, joined with a correlation of 0.15: shapes, share of "
+        "overcast skies and correlation are estimates",
+        "no wind direction and no hour",
+    )
+
+
+def _read_world(selection: Selection, place: tuple[float, float] | None) -> WeatherSource:
+    """Return rows of the climatology: at a place, or in the selected cells."""
+    world, months = world_weather(), selection.months or ()
+    notes = list(notes_of_world())
+    try:
+        if place is not None:
+            world.require_sea(*place)
+            few = few_observations(world, *place, months or range(1, 13))
+            notes += [few] if few else []
+            table = world.table(place[0], place[1], months)
+        else:
+            north, east, area = world.cells()
+            inside = selection.places(north, east)
+            if not inside.any():
+                raise DomainError(f"nothing in {' and '.join(selection.words)}; the climatology covers seas from 70 S to 78 N")
+            table = world.table(north[inside], east[inside], months, area=area[inside])
+    except DomainError as error:
+        raise DataError(f"{NAME}: {error}") from None
+    return WeatherSource(Path(NAME), "climatology", table.columns, len(table), table.texts, notes=tuple(notes))
 
 
 def shipped(name: str) -> Path:
@@ -196,7 +242,7 @@ class WeatherReading:
 
 def is_grid(path: Path) -> bool:
     """Return true where a file is a grid of weather, NetCDF or GRIB."""
-    return is_grib(path) or is_netcdf(path)
+    return not is_world(path) and (is_grib(path) or is_netcdf(path))
 
 
 def read_source(path: Path, selection: Selection, reading: WeatherReading, beside: tuple[Path, ...] = ()) -> WeatherSource:
@@ -220,6 +266,8 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
     BackendError
         A part that is not installed.
     """
+    if is_world(path):
+        return _read_world(selection, reading.place).selected(selection)
     if is_grid(path):
         return era5.read_era5(path, selection, beside=beside)
     if path.suffix.lower() == ".parquet":

@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field, StrictFloat, StrictInt, StrictStr, model_validator
 
 from seaglint.base.errors import ScenarioError
-from seaglint.scenario.records.quantities import InputPath, Quantity, Record, about, convert, rule
+from seaglint.scenario.records.quantities import Quantity, Record, WeatherPath, about, convert, rule
 
 Number = StrictInt | StrictFloat | StrictStr  #: A number in the unit of its key, or text with another unit.
 
@@ -28,6 +28,7 @@ WEATHER_KEYS: Final = {
     "sea_temperature_k": "sea.temperature_k",
     "significant_height_m": "sea.spectrum.significant_height_m",
     "visibility_km": "atmosphere.visibility_km",
+    "air_minus_sea_k": "atmosphere.air_minus_sea_k",
     "atmosphere": "atmosphere.model",
     "latitude_deg": "place.latitude_deg",
     "longitude_deg": "place.longitude_deg",
@@ -130,7 +131,11 @@ class Weather(Record):
 
     law: Literal["weather"] = "weather"
     table: Annotated[
-        InputPath | None, about("weather table, CSV or Parquet ('seaglint weather build' makes one); the packaged North Atlantic")
+        WeatherPath | None,
+        about(
+            "weather table, CSV or Parquet ('seaglint weather build' makes one), or one of the package: world (at [place], in the month of "
+            "[time]), north-atlantic (the default)"
+        ),
     ] = None
     columns: Annotated[
         tuple[
@@ -140,6 +145,7 @@ class Weather(Record):
                 "sea_temperature_k",
                 "significant_height_m",
                 "visibility_km",
+                "air_minus_sea_k",
                 "atmosphere",
                 "latitude_deg",
                 "longitude_deg",

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import StrictBool, field_validator, model_validator
+from pydantic import StrictBool, model_validator
 
-from seaglint.scenario.records.quantities import Azimuth, InputFile, Latitude, Quantity, Record, about, rule
+from seaglint.scenario.records.quantities import (
+    PACKAGED,
+    Azimuth,
+    InputFile,
+    Latitude,
+    Longitude,
+    Quantity,
+    Record,
+    WeatherInput,
+    about,
+    rule,
+)
 
 Case = Literal["single-look", "trajectory", "field-of-view"]
 
@@ -22,7 +33,11 @@ class Likelihood(Record):
     """How often the mirrored Sun is brighter than thresholds: for the command likelihood."""
 
     weather: Annotated[
-        InputFile | None, about("weather table, CSV or Parquet ('seaglint weather build' makes one); the packaged North Atlantic")
+        WeatherInput | None,
+        about(
+            "weather table, CSV or Parquet ('seaglint weather build' makes one), or one of the package: world, north-atlantic; default: "
+            "world where it has the place, else north-atlantic"
+        ),
     ] = None
     threshold_w_m2_sr: Annotated[
         tuple[Annotated[float, Quantity("W/m2/sr", ge=0)], ...], about("radiances at the sensor that glint is compared with", min_length=1)
@@ -53,6 +68,10 @@ class Likelihood(Record):
             "azimuth; auto: integrated where that goes, up to 131072 draws"
         ),
     ] = "auto"
+    place: Annotated[
+        tuple[Latitude, Longitude] | None,
+        about("place of the weather and of the Sun: latitude and longitude, instead of [place] and a region"),
+    ] = None
     latitudes_deg: Annotated[tuple[Latitude, Latitude] | None, about("region: southern and northern border")] = None
     longitudes_deg: Annotated[tuple[Azimuth, Azimuth] | None, about("region: western and eastern border")] = None
     place_from_weather: Annotated[StrictBool, about("take place, month and hour from the rows of the weather table")] = False
@@ -82,11 +101,6 @@ class Likelihood(Record):
     detection_curve: Annotated[
         InputFile | None, about("CSV of contrast_w_m2_sr and pd, what is detected of a target by its contrast to the glint")
     ] = None
-
-    @field_validator("weather", mode="before")
-    @classmethod
-    def _packaged(cls, raw: Any) -> Any:
-        return None if raw == "north-atlantic" else raw
 
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:
@@ -137,4 +151,9 @@ class Likelihood(Record):
     @property
     def places_itself(self) -> bool:
         """Return true where the places are drawn, and not the single one of ``[place]``."""
-        return self.latitudes_deg is not None or self.place_from_weather
+        return self.place is None and (self.latitudes_deg is not None or self.place_from_weather)
+
+    @property
+    def of_the_world(self) -> bool:
+        """Return true where the weather is the climatology of the world's seas, by name."""
+        return str(self.weather) == PACKAGED[0]

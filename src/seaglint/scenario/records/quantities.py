@@ -349,3 +349,17 @@ Azimuth = Annotated[float, Quantity("deg", ge=-360, le=360)]  #: Azimuth, clockw
 Utc = Annotated[datetime, BeforeValidator(_moment), AfterValidator(_as_utc)]
 InputPath = Annotated[Path, AfterValidator(_from_scenario_folder)]
 InputFile = Annotated[InputPath, AfterValidator(_must_exist)]
+
+PACKAGED: Final = ("world", "north-atlantic")  #: Names of the weather in the package, which a key for a weather table may hold.
+
+
+def _weather_path(path: Path, info: ValidationInfo) -> Path:
+    return path if str(path) in PACKAGED else _from_scenario_folder(path, info)
+
+
+def _weather_exists(path: Path, info: ValidationInfo) -> Path:
+    return path if str(path) in PACKAGED else _must_exist(path, info)
+
+
+WeatherPath = Annotated[Path, AfterValidator(_weather_path)]
+WeatherInput = Annotated[WeatherPath, AfterValidator(_weather_exists)]

@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -20,7 +21,8 @@ from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.base.free_form import TableRow, TomlTables
 from seaglint.base.random import stream
 from seaglint.climate.weather_table import TEXTS, WeatherTable
-from seaglint.formats.weather.weather_file import SHIPPED, read_weather
+from seaglint.climate.world_weather import world_weather
+from seaglint.formats.weather.weather_file import NORTH_ATLANTIC, is_world, read_weather
 from seaglint.imaging.camera.imager import Imager
 from seaglint.imaging.camera.pose import Pose
 from seaglint.scenario.ensemble_file import COUNT, Ensemble, Template, law_of
@@ -28,6 +30,7 @@ from seaglint.scenario.keys import quantity_of
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.ensemble_tables import Choice, LogUniform, Normal, Uniform, Weather, in_unit, value_of
 from seaglint.scenario.records.quantities import Quantity
+from seaglint.scenario.records.small_tables import Place, Time
 from seaglint.scenario.text.toml_writing import document
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
@@ -186,19 +189,21 @@ class WeatherRows:
     table: WeatherTable  #: Rows that can be drawn, in the order of the wind.
 
     @classmethod
-    def of(cls, law: Weather, name: str) -> WeatherRows:
-        """Read the table of a law and leave out rows that cannot be drawn.
+    def of(cls, law: Weather, name: str, base: TomlTables | None = None) -> WeatherRows:
+        """Read the table of a law and leave out rows that cannot be drawn; the climatology has rows at place and month of the base.
 
         Raises
         ------
         SeaglintError
             A file that cannot be read, or a table without a usable row.
         """
-        table = read_weather(law.table or SHIPPED[0]).table
+        source = law.table or Path(NORTH_ATLANTIC)
         try:
-            if lacking := [column for column in law.columns if column not in table and column != "wind_from_deg"]:
+            table = _rows_of_world(base or {}) if is_world(source) else read_weather(source).table
+            needed = [own for column in law.columns if column != "wind_from_deg" for own in _OF_COLUMN.get(column, (column,))]
+            if lacking := [column for column in needed if column not in table]:
                 raise DomainError(f"it has no column {', '.join(lacking)}; leave that out of columns")
-            table, _ = table.complete([column for column in law.columns if column != "wind_from_deg"] or ["weight"])
+            table, _ = table.complete(needed or ["weight"])
             if law.max_wind_m_s is not None:
                 calm = table["wind_speed_m_s"] <= law.max_wind_m_s
                 if not calm.any():
@@ -207,7 +212,7 @@ class WeatherRows:
             # neighbouring numbers give neighbouring rows: so a Latin hypercube or Sobol points spread over the winds
             return cls(law, table.ordered("wind_speed_m_s"))
         except DomainError as error:
-            raise ScenarioError(f"{name}: {law.table or SHIPPED[0]}: {error}") from None
+            raise ScenarioError(f"{name}: {source}: {error}") from None
 
     def at(self, uniform: float, direction: float) -> TomlTables:
         """Return keys and values of a row; ``direction`` is a uniform number for a wind whose direction is missing."""
@@ -218,9 +223,30 @@ class WeatherRows:
             if column in TEXTS:
                 out[key] = str(self.table.text(column)[row])
                 continue
+            if column == AIR_MINUS_SEA:
+                out[key] = float(self.table["air_temperature_k"][row] - self.table["sea_temperature_k"][row])
+                continue
             value = float(self.table[column][row])
             out[key] = 360.0 * direction if column == "wind_from_deg" and math.isnan(value) else value
         return out
+
+
+AIR_MINUS_SEA: Final = "air_minus_sea_k"  #: Column that follows from the temperatures of air and sea.
+
+_OF_COLUMN: Final = {AIR_MINUS_SEA: ("air_temperature_k", "sea_temperature_k")}  #: Columns that others follow from.
+
+
+def _rows_of_world(base: TomlTables) -> WeatherTable:
+    """Return rows of the climatology at the base's place, in the month of its time; in all months without a time."""
+    place, time = base.get("place"), base.get("time")
+    if not isinstance(place, Mapping) or not {"latitude_deg", "longitude_deg"} <= set(place):
+        raise DomainError("the climatology needs the place: add [place] latitude_deg, longitude_deg to the base")
+    where, world = Place.model_validate(place), world_weather()
+    at = where.latitude_deg, where.longitude_deg
+    world.require_sea(*at)
+    moment = time.get("utc") if isinstance(time, Mapping) else None
+    months = () if moment is None else (Time.model_validate({"utc": moment}).utc.month,)
+    return world.table(*at, months)
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,7 +61,9 @@ def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
     sampled += [count_key(template) for template in ensemble.objects if not isinstance(template.count, int)]
     numbers = law_draws.UniformNumbers(ensemble, tuple(sampled))
     rows = {
-        i: law_draws.WeatherRows.of(law, f"{ensemble.name}: vary[{i}]") for i, law in enumerate(ensemble.vary) if isinstance(law, Weather)
+        i: law_draws.WeatherRows.of(law, f"{ensemble.name}: vary[{i}]", ensemble.base)
+        for i, law in enumerate(ensemble.vary)
+        if isinstance(law, Weather)
     }
     objects, width = law_draws.DrawnObjects(ensemble, numbers), max(4, len(str(settings.scenes - 1)))
     for number in range(settings.scenes):

@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import ScenarioError
 from seaglint.base.parameters import documented
-from seaglint.climate.conditions import Conditions, GeographicRegion, Times, conditions
+from seaglint.climate.conditions import Conditions, GeographicRegion, Times
 from seaglint.climate.draws import SamplingPlan
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.cluster import Job, Workers
@@ -162,11 +162,12 @@ class PreparedMap:
         if north.size == 0 or east.size == 0 or north.size * east.size > _MOST:
             raise ScenarioError(f"the map has {north.size} x {east.size} cells of {step:g} deg; choose step so that there are 1 to {_MOST}")
         latitude, longitude = region.south + north, (region.west + east + 180.0) % 360.0 - 180.0
-        rows = _cells(model.table, latitude, longitude)
+        rows = None if model.table is None else _cells(model.table, latitude, longitude)
         whole = likelihood.integrates and likelihood.azimuths != "drawn" and "azimuth_from_sun_deg" not in model.looks
         samples = settings.samples or (INTEGRATED if whole else SAMPLES)
-        known = isinstance(model.when, Times) and model.when.hours == (0.0, 24.0) and np.isnan(model.table["hour_utc"]).all()
-        alike = bool(rows is None and known)
+        hourless = model.table is None or np.isnan(model.table["hour_utc"]).all()
+        known = isinstance(model.when, Times) and model.when.hours == (0.0, 24.0) and hourless
+        alike = bool(model.world is None and rows is None and known)
         each = min(samples * longitude.size, max(samples, _SHARED)) if alike else samples
         # Sobol points are even in powers of two.
         plan = SamplingPlan(1, 2 ** round(math.log2(each)))
@@ -191,6 +192,8 @@ class PreparedMap:
     def row_counts(self) -> NDArray[np.int64]:
         """Number of rows of weather of each cell [(latitudes, longitudes)]."""
         shape = (self.latitude.size, self.longitude.size)
+        if self.model.table is None:
+            return np.zeros(shape, dtype=np.int64)
         return np.full(shape, len(self.model.table)) if self.rows is None else np.array([c.size for c in self.rows]).reshape(shape)
 
     def piece(self, month: int, first: int) -> FloatArray:
@@ -206,7 +209,9 @@ class PreparedMap:
         out = np.empty((len(self.model.settings.threshold_w_m2_sr), *weight.shape[:2]))
         for t, threshold in enumerate(self.model.settings.threshold_w_m2_sr):
             values = draw_values(of_month, drawn, threshold).reshape(weight.shape)
-            out[t] = (values * weight).sum(axis=2) / weight.sum(axis=2)
+            total = weight.sum(axis=2)
+            # Cells without a draw at sea have no chance.
+            out[t] = np.divide((values * weight).sum(axis=2), total, out=np.full(total.shape, np.nan), where=total > 0.0)
         return out
 
     @cached_property
@@ -246,13 +251,13 @@ def _drawn(
 ) -> Conditions:
     """Draw weather and times at places, cell by cell; ``cells`` are the rows of weather of each."""
     if cells is None:
-        return replace(conditions(model.table, u, model.when, places, by_daylight=True), latitude=places[0], longitude=places[1])
+        return model.conditions(u, places, by_daylight=True)
     size = places[0].size // len(cells)
     parts = []
     for k, rows in enumerate(cells):
         cell = slice(k * size, (k + 1) * size)
         own = {name: values[cell] for name, values in u.items()}
-        parts.append(conditions(model.table, own, model.when, (places[0][cell], places[1][cell]), rows, by_daylight=True))
+        parts.append(model.conditions(own, (places[0][cell], places[1][cell]), rows, by_daylight=True))
     weight = None if parts[0].weight is None else np.concatenate([p.weight for p in parts if p.weight is not None])
     return Conditions(np.concatenate([p.rows for p in parts]), np.concatenate([p.time for p in parts]), *places, weight)
 

@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import gamma
 
 from seaglint.air.profile.aerosols import wind_kinks
 from seaglint.air.profile.air_profile import AirProfile, model_profile
@@ -19,16 +20,28 @@ from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.limits import NAVY_AEROSOL_WIND, WIND_PROFILE
-from seaglint.climate.conditions import GeographicRegion, Times, bandwidths, timestamp
+from seaglint.climate.conditions import (
+    Conditions,
+    GeographicRegion,
+    Times,
+    WeatherOfDraws,
+    bandwidths,
+    conditions,
+    smoothed,
+    times_and_places,
+    timestamp,
+)
 from seaglint.climate.ephemeris import Ephemeris
 from seaglint.climate.glint_radiance import DetectionCurve, Search, WindSlopes, seas
 from seaglint.climate.mirrored_sunlight import MirroredLight, mirrored_light
+from seaglint.climate.weather_laws import wind_shape
 from seaglint.climate.weather_selection import GeographicBox
 from seaglint.climate.weather_table import MONTHS, WeatherTable
+from seaglint.climate.world_weather import CELL, FEW, NAME, WorldWeather, few_observations, model_atmospheres, time_of_year, world_weather
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.formats.lowtran.deck import MODELS
 from seaglint.formats.weather.weather_cells import read_cells
-from seaglint.formats.weather.weather_file import SHIPPED, read_weather
+from seaglint.formats.weather.weather_file import NORTH_ATLANTIC, read_weather
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.atmosphere_table import TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
@@ -42,6 +55,8 @@ from seaglint.studies.build.waves_and_slopes import slopes
 
 _SHARED = ("light", "seas", "ephemeris", "bandwidth", "curve")  #: Tables that scenarios with the same air, sea and year share.
 
+EVERYWHERE: Final = GeographicRegion(-72.0, 80.0, -180.0, 180.0)  #: Region of the climatology.
+
 LOOK_COLUMNS = ("depression_deg", "azimuth_from_sun_deg", "height_m", "weight")
 
 
@@ -50,9 +65,10 @@ class LikelihoodModel:
     """Weather, times, places, seas and sunlight for the draws of one scenario. Make it with ``of``."""
 
     scenario: Scenario  #: Scenario with ``[likelihood]``.
-    table: WeatherTable  #: Rows with wind and cover, in the order of the wind.
-    models: tuple[str, ...]  #: Model atmospheres that rows name; the scenario's where they name none.
-    row_model: NDArray[np.int64]  #: Place of each row's model among them.
+    table: WeatherTable | None  #: Rows with wind and cover, in the order of the wind; None with the climatology.
+    world: WorldWeather | None  #: Climatology of the world's seas, from whose laws weather is drawn; None with a table.
+    models: tuple[str, ...]  #: Model atmospheres that the weather names; the scenario's where it names none.
+    row_model: NDArray[np.int64]  #: Place among them of each row's model, or of each model of the climatology.
     winds: tuple[float, float]  #: Lowest and highest wind of seas and air [m/s].
     looks: Mapping[str, FloatArray]  #: Columns of a table of looks, angles in radians; empty without one.
     notes: tuple[str, ...]  #: Remarks on the data, with counts.
@@ -67,7 +83,14 @@ class LikelihoodModel:
             Files or settings that models refuse.
         """
         settings = likelihood_table(scenario)
-        notes: list[str] = []
+        notes = _which_place(scenario)
+        if weather is None and _uses_world(scenario, notes):
+            world = world_weather()
+            models, row_model = _models_of_world(scenario, world)
+            notes += _about_world(scenario, world)
+            winds = _winds_of_world(scenario, world, notes)
+            looks = _looks(settings, notes)
+            return cls(scenario, None, world, models=models, row_model=row_model, winds=winds, looks=looks, notes=tuple(notes))
         if weather is None:
             weather, source = _weather(settings)
             notes += source
@@ -88,7 +111,7 @@ class LikelihoodModel:
         models, row_model = _models(scenario, table)
         winds = _winds(scenario, table, notes)
         looks = _looks(settings, notes)
-        return cls(scenario=scenario, table=table, models=models, row_model=row_model, winds=winds, looks=looks, notes=tuple(notes))
+        return cls(scenario, table, None, models=models, row_model=row_model, winds=winds, looks=looks, notes=tuple(notes))
 
     @property
     def settings(self) -> Likelihood:
@@ -112,16 +135,62 @@ class LikelihoodModel:
     @cached_property
     def where(self) -> GeographicRegion | tuple[float, float] | None:
         """Law of the place."""
-        settings, place = self.settings, self.scenario.place
-        if settings.latitudes_deg is not None and settings.longitudes_deg is not None:
-            return GeographicRegion(*settings.latitudes_deg, *settings.longitudes_deg)
-        return None if place is None else (place.latitude_deg, place.longitude_deg)
+        return _where(self.scenario)
 
     @cached_property
     def ephemeris(self) -> Ephemeris:
         """Ephemeris of the Sun over all times that are drawn."""
         when = self.when
         return Ephemeris.between(when, when) if isinstance(when, float) else Ephemeris.of_year(self.settings.year)
+
+    def conditions(
+        self,
+        u: Mapping[str, FloatArray],
+        places: tuple[FloatArray, FloatArray] | None = None,
+        some: NDArray[np.intp] | None = None,
+        *,
+        by_daylight: bool = False,
+    ) -> Conditions:
+        """Draw times, places and rows of weather at uniform numbers; ``places`` [deg] replace the law of the place.
+
+        ``some`` are the only rows to draw from. Draws of the climatology on land have the weight 0.
+        """
+        where = self.where if places is None else places
+        if self.world is None:
+            assert self.table is not None  # one of both is given
+            return conditions(self.table, u, self.when, where, some, by_daylight=by_daylight)
+        when = self.when
+        if when is None:  # under a given Sun the weather has times of its own
+            when, by_daylight = Times(self.settings.year, self.settings.months or (), self.settings.hours_utc), False
+        drawn = times_and_places(u, when, EVERYWHERE if where is None else where, by_daylight=by_daylight)
+        if isinstance(where, tuple) and places is None:
+            return drawn
+        weight = np.ones(drawn.time.size) if drawn.weight is None else drawn.weight
+        return replace(drawn, weight=weight * self.world.at_sea(drawn.latitude, drawn.longitude))
+
+    def weather(self, where: Conditions, u: Mapping[str, FloatArray]) -> WeatherOfDraws:
+        """Wind, cover and model atmosphere of draws."""
+        if self.world is None:
+            return self._weather_of_rows(where, u)
+        latitude, longitude = where.latitude, where.longitude
+        if isinstance(self.where, tuple) and not bool(self.world.at_sea(*self.where)):
+            # A ship's place in a harbour: the nearest sea.
+            north, east, _ = self.world.nearest_sea(*self.where)
+            latitude, longitude = np.full(latitude.shape, north), np.full(longitude.shape, east)
+        drawn = self.world.draw(time_of_year(where.time), latitude, longitude, u["row"], u["cover"])
+        return drawn._replace(model=self.row_model[drawn.model])
+
+    def _weather_of_rows(self, where: Conditions, u: Mapping[str, FloatArray]) -> WeatherOfDraws:
+        """Return the weather of drawn rows, varied by the smooth bootstrap where it is requested."""
+        table = self.table
+        assert table is not None  # the climatology has no rows
+        wind, cover, wind_from = (table[name][where.rows] for name in ("wind_speed_m_s", "cloud_cover", "wind_from_deg"))
+        if self.bandwidth:
+            # Away from 0 and 1, where the Gaussian quantile is infinite.
+            noise = np.clip(np.column_stack([u[f"smooth_{name}"] for name in self.bandwidth]), 1e-12, 1.0 - 1e-12)
+            rows = smoothed(table, where.rows, noise, self.bandwidth)
+            wind, cover = rows["wind_speed_m_s"], rows["cloud_cover"]
+        return WeatherOfDraws(wind, cover, wind_from, self.row_model[where.rows])
 
     @property
     def heights(self) -> tuple[float, float]:
@@ -199,7 +268,7 @@ class LikelihoodModel:
     @cached_property
     def bandwidth(self) -> dict[str, float]:
         """Bandwidth of the smooth bootstrap, by column; empty without."""
-        return bandwidths(self.table) if self.settings.smooth else {}
+        return bandwidths(self.table) if self.settings.smooth and self.table is not None else {}
 
     @cached_property
     def curve(self) -> DetectionCurve | None:
@@ -221,6 +290,13 @@ class LikelihoodModel:
         """True if the scenario states the wind's direction."""
         return "wind" in self.scenario.model_fields_set and "from_deg" in self.scenario.wind.model_fields_set
 
+    @property
+    def weather_name(self) -> str | None:
+        """File of the weather, or its name in the package; None for a packaged table that the scenario does not name."""
+        if self.world is not None:
+            return NAME
+        return None if self.settings.weather is None else str(self.settings.weather)
+
     def share(self, other: LikelihoodModel) -> None:
         """Take over the tables of a model with the same air, sea, geometry and year."""
         # Cached properties are copied: the other model need not have computed them before.
@@ -228,7 +304,7 @@ class LikelihoodModel:
 
     def reaching(self, wind: float) -> LikelihoodModel:
         """Return the model with tables of air and sea up to a wind [m/s], at most the strongest of the law of slopes."""
-        top = min(_strongest_wind(self.scenario), wind)
+        top = min(_strongest(self.scenario), wind)
         return self if top <= self.winds[1] else replace(self, winds=(self.winds[0], top))
 
     def of_months(self, months: tuple[int, ...]) -> LikelihoodModel:
@@ -246,11 +322,122 @@ def likelihood_table(scenario: Scenario) -> Likelihood:
     return scenario.likelihood
 
 
+def _where(scenario: Scenario) -> GeographicRegion | tuple[float, float] | None:
+    """Return the law of the place: ``likelihood.place`` before a region, and a region before ``[place]``; None where none is stated."""
+    settings, place = likelihood_table(scenario), scenario.place
+    if settings.place is not None:
+        return settings.place
+    if settings.latitudes_deg is not None and settings.longitudes_deg is not None:
+        return GeographicRegion(*settings.latitudes_deg, *settings.longitudes_deg)
+    return None if place is None else (place.latitude_deg, place.longitude_deg)
+
+
+def _which_place(scenario: Scenario) -> list[str]:
+    """Return a note where several places are stated, of which one is used."""
+    settings = likelihood_table(scenario)
+    if settings.place is None:
+        return []
+    others = [
+        name
+        for name, given in (
+            ("[place]", scenario.place is not None),
+            ("the region of likelihood.latitudes_deg and longitudes_deg", settings.latitudes_deg is not None),
+            ("likelihood.place_from_weather", settings.place_from_weather),
+        )
+        if given
+    ]
+    at = f"likelihood.place = [{settings.place[0]:g}, {settings.place[1]:g}]"
+    notes = [f"{at} is used instead of {' and '.join(others)}"] if others else []
+    if scenario.sun is not None:
+        notes.append(f"the Sun is that of [sun]; {at} is the place of the weather alone")
+    return notes
+
+
+def _uses_world(scenario: Scenario, notes: list[str]) -> bool:
+    """Return whether weather is drawn from the climatology: by name, or by default where it has the place."""
+    settings = likelihood_table(scenario)
+    if settings.weather is not None:
+        return settings.of_the_world
+    where, world = _where(scenario), world_weather()
+    if where is None:
+        return False
+    if np.any(world.at_sea(*_cells_of(world, where))):
+        notes.append("likelihood.weather is not given: the climatology 'world', monthly means of ships' observations")
+        return True
+    return False
+
+
+def _cells_of(world: WorldWeather, where: GeographicRegion | tuple[float, float] | None) -> tuple[FloatArray, FloatArray]:
+    """Return places that stand for a law of the place: a point, or the middles of the cells inside a region [deg]."""
+    if isinstance(where, tuple):
+        return np.array([where[0]]), np.array([where[1]])
+    north, east, _ = world.cells()
+    if where is None:
+        return north, east
+    box = GeographicBox(where.west, where.south, where.east, where.north)
+    # A region between the middles of cells is inside one.
+    half = np.array(CELL) / 2.0
+    wider = GeographicBox(box.west - half[1], max(box.south - half[0], -90.0), box.east + half[1], min(box.north + half[0], 90.0))
+    inside = wider.holds(north, east) if where.east - where.west < 360.0 - 2 * half[1] else (north >= wider.south) & (north <= wider.north)
+    return north[inside], east[inside]
+
+
+def _about_world(scenario: Scenario, world: WorldWeather) -> list[str]:
+    """Return notes on the climatology at the places of a scenario; a place or region without sea is refused."""
+    settings, where = likelihood_table(scenario), _where(scenario)
+    months = settings.months or tuple(range(1, 13))
+    if settings.months is None and scenario.time is not None:
+        months = (scenario.time.utc.month,)
+    notes = []
+    if settings.smooth:
+        notes.append("likelihood.smooth = true has no effect: the climatology 'world' has continuous laws")
+    north, east = _cells_of(world, where)
+    if isinstance(where, tuple):
+        name = "likelihood.place" if settings.place is not None else "place"
+        world.require_sea(*where, name)
+        few = few_observations(world, *where, months)
+        return [*notes, few] if few else notes
+    if north.size == 0:
+        assert where is not None  # the world has cells
+        middle = 0.5 * (where.south + where.north), 0.5 * (where.west + where.east)
+        nearest, east_of_it, distance = world.nearest_sea(*middle)
+        raise DataError(
+            f"likelihood.latitudes_deg = [{where.south:g}, {where.north:g}], longitudes_deg = [{where.west:g}, {where.east:g}]: no sea of "
+            f"the climatology 'world' inside; the nearest is [{nearest:g}, {east_of_it:g}], {1e-3 * distance:.0f} km from the middle"
+        )
+    few_cells = world.few(*world.cell_of(north, east), months)
+    if few_cells:
+        notes.append(
+            f"{len(few_cells)} of {north.size * len(months)} months of the region's cells rest on fewer than {FEW} wind observations"
+        )
+    return notes
+
+
+def _models_of_world(scenario: Scenario, world: WorldWeather) -> tuple[tuple[str, ...], NDArray[np.int64]]:
+    """Return the model atmospheres of the climatology at the scenario's places, and the place of each model of all among them."""
+    names = [name for name, _ in model_atmospheres()]
+    if not isinstance(scenario.atmosphere, TableAtmosphereSettings):
+        return (scenario.atmosphere.source,), np.zeros(len(names), dtype=np.int64)
+    return tuple(names), np.arange(len(names))
+
+
+def _winds_of_world(scenario: Scenario, world: WorldWeather, notes: list[str]) -> tuple[float, float]:
+    """Return the winds of seas and air, as ``_winds``; the share of stronger ones is that of the laws."""
+    top, (north, east) = _strongest(scenario), _cells_of(world, _where(scenario))
+    mean = world.at(np.arange(12.0)[:, None] + 0.5, north, east).wind_speed_m_s
+    shape = wind_shape(north, mean)
+    share = float(np.nanmean(np.exp(-((top / mean * gamma(1.0 + 1.0 / shape)) ** shape))))
+    if share > 1e-9:
+        notes.append(f"{100 * share:.2g} % of the winds are above {top:g} m/s, taken as {top:g}")
+    _air_of_strong_winds(scenario, top, notes)
+    return 0.0, top
+
+
 def _weather(settings: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
     """Return the named table, or the packaged one, with remarks."""
     if settings.weather is None:
-        packaged = f"likelihood.weather is not given: the packaged table {SHIPPED[0]}, rough estimates that fit no place well"
-        return read_weather(SHIPPED[0]).table, (packaged,)
+        packaged = f"likelihood.weather is not given, and no place that the climatology 'world' has: the packaged table {NORTH_ATLANTIC}"
+        return read_weather(NORTH_ATLANTIC).table, (packaged,)
     file = read_weather(settings.weather)
     return file.table, file.remarks
 
@@ -265,7 +452,13 @@ def _complete(table: WeatherTable, settings: Likelihood) -> tuple[WeatherTable, 
 
 def _of_region(table: WeatherTable, settings: Likelihood, notes: list[str]) -> WeatherTable:
     """Return the rows inside the region, where both are known; rows without a place count as inside."""
-    if settings.latitudes_deg is None or settings.longitudes_deg is None or "latitude_deg" not in table or "longitude_deg" not in table:
+    if (
+        settings.place is not None
+        or settings.latitudes_deg is None
+        or settings.longitudes_deg is None
+        or "latitude_deg" not in table
+        or "longitude_deg" not in table
+    ):
         return table
     box = GeographicBox(settings.longitudes_deg[0], settings.latitudes_deg[0], settings.longitudes_deg[1], settings.latitudes_deg[1])
     unknown = np.isnan(table["latitude_deg"]) | np.isnan(table["longitude_deg"])
@@ -295,8 +488,8 @@ def _models(scenario: Scenario, table: WeatherTable) -> tuple[tuple[str, ...], N
     return tuple(models.tolist()), np.asarray(place, dtype=np.int64)
 
 
-def _strongest_wind(scenario: Scenario) -> float:
-    """Return the strongest wind of the scenario's law of slopes [m/s]."""
+def _strongest(scenario: Scenario) -> float:
+    """Return the strongest wind of the sea's slopes [m/s]."""
     law = scenario.sea.slopes
     if isinstance(law, SpectrumSlopes | FlatSlopes):
         if isinstance(law, SpectrumSlopes) and scenario.sea.spectrum.kind not in ("elfouhaily", "pierson-moskowitz", "jonswap"):
@@ -308,17 +501,21 @@ def _strongest_wind(scenario: Scenario) -> float:
     return WIND_PROFILE[1] if law.extrapolate else law.winds[1]
 
 
+def _air_of_strong_winds(scenario: Scenario, strongest: float, notes: list[str]) -> None:
+    if scenario.atmosphere.source == "table" and strongest > NAVY_AEROSOL_WIND[1]:
+        notes.append(f"the air of winds above {NAVY_AEROSOL_WIND[1]:g} m/s is that of {NAVY_AEROSOL_WIND[1]:g} m/s")
+
+
 def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[float, float]:
     """Return the winds of seas and air; stronger winds of the weather count as the strongest, with their number in a note."""
-    top = _strongest_wind(scenario)
+    top = _strongest(scenario)
     strong = table["wind_speed_m_s"] > top
     if strong.any():
         share = float(table.probability[strong].sum())
         notes.append(
             f"{int(strong.sum())} rows of weather ({100 * share:.2g} % of the weight) have winds above {top:g} m/s, taken as {top:g}"
         )
-    if scenario.atmosphere.source == "table" and np.any(table["wind_speed_m_s"] > NAVY_AEROSOL_WIND[1]) and top > NAVY_AEROSOL_WIND[1]:
-        notes.append(f"the air of winds above {NAVY_AEROSOL_WIND[1]:g} m/s is that of {NAVY_AEROSOL_WIND[1]:g} m/s")
+    _air_of_strong_winds(scenario, min(top, float(table["wind_speed_m_s"].max())), notes)
     return 0.0, min(top, max(float(table["wind_speed_m_s"].max()) + 2.0, 4.0))
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject
 from seaglint.climate import draws as by
-from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, conditions, illuminated, months_of, smoothed
+from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, WeatherOfDraws, illuminated, months_of
 from seaglint.climate.draws import Estimate, SamplingPlan, estimate, strata
 from seaglint.climate.exceeding_azimuths import azimuth_shares
 from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes
@@ -37,14 +37,6 @@ NEEDED_SHARES: Final = (0.5, 0.1, 0.05, 0.01, 0.001)  #: Shares of looks for whi
 INTEGRATED: Final = 131_072
 
 _SHINES: Final = 0.5 * math.pi + 0.3  #: Zenith angle of the Sun beyond which no place in view can be lit [rad].
-
-
-class GivenWeather(NamedTuple):
-    """Weather of every draw that replaces the weather of its conditions [(total,) each]."""
-
-    wind: FloatArray  #: Wind speed [m/s].
-    cover: FloatArray  #: Cloud cover [1].
-    wind_from: FloatArray  #: Direction from which the wind comes [deg]; NaN where it is drawn as without a direction.
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +104,7 @@ class GlintLikelihood:
             confidence=0.95,
             clouds=cloud_law(self.model),
             weather=DrawnWeather(
-                None if settings.weather is None else str(settings.weather), len(self.model.table), list(self.model.models)
+                self.model.weather_name, 0 if self.model.table is None else len(self.model.table), list(self.model.models)
             ),
             strata=[stratum for of_threshold in self.strata for stratum in of_threshold],
             notes=[*self.model.notes, *self._azimuth_notes],
@@ -208,7 +200,7 @@ def draw(
     u = uniform_numbers(model, plan, model.scenario.seed if seed is None else seed, plain=plain)
     whole = settings.azimuths == "integrated" or (settings.azimuths == "auto" and plan.total <= INTEGRATED)
     whole = whole and settings.integrates and azimuth is None and "azimuth_from_sun_deg" not in model.looks
-    where = conditions(model.table, u, model.when, model.where, by_daylight=True)
+    where = model.conditions(u, by_daylight=True)
     return evaluated(model, u, where, plan, azimuth, integrated=whole)
 
 
@@ -229,21 +221,14 @@ def evaluated(
     azimuth: float | None = None,
     *,
     integrated: bool = False,
-    given: GivenWeather | None = None,
+    weather: WeatherOfDraws | None = None,
 ) -> Draws:
     """Evaluate looks in conditions that are drawn already; ``integrated`` evaluates the shares of their azimuths too.
 
-    ``given`` replaces wind and cover of the conditions, of which the model atmosphere, time and place remain.
+    ``weather`` replaces the weather of the conditions, of which time and place remain.
     """
-    settings, table = model.settings, model.table
-    wind, cover, wind_from = (table[name][where.rows] for name in ("wind_speed_m_s", "cloud_cover", "wind_from_deg"))
-    if model.bandwidth:
-        # Away from 0 and 1, where the Gaussian quantile is infinite.
-        noise = np.clip(np.column_stack([u[f"smooth_{name}"] for name in model.bandwidth]), 1e-12, 1.0 - 1e-12)
-        rows = smoothed(table, where.rows, noise, model.bandwidth)
-        wind, cover = rows["wind_speed_m_s"], rows["cloud_cover"]
-    if given is not None:
-        wind, cover, wind_from = given
+    settings = model.settings
+    wind, cover, wind_from, air = model.weather(where, u) if weather is None else weather
     missing = model.scenario.wind.from_deg if model.gives_wind_direction else 360.0 * u["wind"]
     # Winds are named by where they come from.
     wind_to = np.radians(np.where(np.isnan(wind_from), missing, wind_from) + 180.0)
@@ -256,17 +241,7 @@ def evaluated(
     if azimuth is not None:
         relative = np.full(wind.size, azimuth)
     free = illuminated(cloud_law(model), cover, 0.5 * math.pi - zenith, overcast=settings.overcast_cover, aspect=settings.cloud_aspect)
-    columns = [
-        model.row_model[where.rows].astype(np.float64),
-        wind,
-        wind_to,
-        height,
-        zenith,
-        towards,
-        factor,
-        towards + relative,
-        depression,
-    ]
+    columns = [air.astype(np.float64), wind, wind_to, height, zenith, towards, factor, towards + relative, depression]
     # Looks under a Sun that is down or hidden for sure are passed over: their radiance is 0.
     at = np.flatnonzero((zenith < _SHINES) & (free > 0.0))
     chosen = np.empty((at.size, len(columns)))
@@ -304,12 +279,15 @@ def _varying(model: LikelihoodModel) -> list[str]:
     """Return the uniform numbers on which the draws of a scenario depend: points of fewer dimensions are more even."""
     settings, (lowest, highest) = model.settings, model.heights
     alone = settings.case == "single-look"
-    times, places = isinstance(model.when, Times), isinstance(model.where, GeographicRegion) and model.sun is None
+    if model.world is None:
+        times, places = isinstance(model.when, Times), isinstance(model.where, GeographicRegion) and model.sun is None
+    else:  # the weather depends on time and place even under a given Sun
+        times, places = not isinstance(model.when, float), not isinstance(model.where, tuple)
     depends = {
         "azimuth": settings.azimuth_from_sun_deg[0] < settings.azimuth_from_sun_deg[1],
         "hour": times,
         "row": True,
-        "cover": len(model.table) > 1,
+        "cover": model.table is None or len(model.table) > 1,
         "day": times,
         "depression": bool(model.looks) or (alone and settings.depression_deg[0] < settings.depression_deg[1]),
         "across": places,

@@ -15,16 +15,17 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import number
 from seaglint.base.parameters import documented
-from seaglint.climate.conditions import conditions
+from seaglint.climate.conditions import WeatherOfDraws
 from seaglint.climate.draws import SamplingPlan
 from seaglint.climate.ephemeris import Ephemeris, SunPositions
 from seaglint.climate.track_chances import ForecastChance, ForecastHours, GlintHours, TrackChance, TrackChances, spells
 from seaglint.climate.weather_table import WeatherTable
+from seaglint.climate.world_weather import NAME
 from seaglint.formats.weather.forecast_weather import ForecastWeather, read_forecast
 from seaglint.formats.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel, likelihood_table
-from seaglint.studies.likelihood.glint_chance import GivenWeather, draw_values, evaluated, uniform_numbers
+from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
 SAMPLES: Final = 1024  #: Draws at each time.
@@ -72,7 +73,7 @@ def along_track(
     course = _course(track)
     likelihood_table(scenario)  # refused after the file of the track
     ahead = None if forecast is None else read_forecast(forecast, course.time, course.latitude, course.longitude)
-    model = LikelihoodModel.of(scenario.model_copy(update={"sun": None, "time": None, "place": None}), weather)
+    model = LikelihoodModel.of(_of_track(scenario, weather), weather)
     plan = SamplingPlan.of(samples)
     u = _numbers(model, course, plan)
     values = _values(model, course, plan, u)
@@ -82,7 +83,7 @@ def along_track(
     stronger = model.reaching(float(ahead.wind_speed_m_s.max()) + 3.0 * wind_spread)
     # More numbers would change the points of the climatology, which do not depend on a forecast.
     u = _numbers(stronger, course, plan, more=_ERRORS) if spread else u
-    of_forecast = _values(stronger, course, plan, u, lambda row: _given(ahead, row, u, wind_spread, cover_spread))
+    of_forecast = _values(stronger, course, plan, u, lambda row, own: _ahead(own, ahead, row, u, wind_spread, cover_spread))
     return _together(course, model, values, [*model.notes, *_notes(forecast, ahead, wind_spread, cover_spread)], ahead, of_forecast)
 
 
@@ -123,17 +124,19 @@ def _values(
     course: _Course,
     plan: SamplingPlan,
     u: dict[str, FloatArray],
-    given: Callable[[int], GivenWeather] | None = None,
+    forecast: Callable[[int, WeatherOfDraws], WeatherOfDraws] | None = None,
 ) -> FloatArray:
-    """Return the quantity that is averaged [1, (thresholds, times, draws)]; ``given`` returns the weather of the draws at a time."""
+    """Return the quantity that is averaged [1, (thresholds, times, draws)]; ``forecast`` replaces weather at a time."""
     thresholds = model.settings.threshold_w_m2_sr
     out = np.empty((len(thresholds), course.time.size, plan.total))
     for i, moment in enumerate(course.time.tolist()):
         model.__dict__.update(when=moment, where=(float(course.latitude[i]), float(course.longitude[i])), ephemeris=course.sky)
         look = None if course.bearing is None else float(np.radians(course.bearing[i]) - course.sun.azimuth[i])
-        # Of the climatology's conditions the model atmosphere remains where the weather is given.
-        where = conditions(model.table, u, moment, model.where)
-        drawn = evaluated(model, u, where, plan, look, given=None if given is None else given(i))
+        where = model.conditions(u)
+        weather = model.weather(where, u)
+        if forecast is not None:
+            weather = forecast(i, weather)
+        drawn = evaluated(model, u, where, plan, look, weather=weather)
         for t, threshold in enumerate(thresholds):
             out[t, i] = draw_values(model, drawn, threshold)
     return out
@@ -186,8 +189,17 @@ def _together(
     return TrackChances(float(step.sum()), hours, way, notes)
 
 
-def _given(ahead: ForecastWeather, row: int, u: dict[str, FloatArray], wind_spread: float, cover_spread: float) -> GivenWeather:
-    """Return the weather of every draw at a row of the track: that of its member, with its errors."""
+def _of_track(scenario: Scenario, weather: WeatherTable | None) -> Scenario:
+    """Return the scenario without its own Sun, time and place; the climatology is its weather by default, as all places are known."""
+    settings = likelihood_table(scenario)
+    update = {"place": None, **({"weather": Path(NAME)} if settings.weather is None and weather is None else {})}
+    return scenario.model_copy(update={"sun": None, "time": None, "place": None, "likelihood": settings.model_copy(update=update)})
+
+
+def _ahead(
+    own: WeatherOfDraws, ahead: ForecastWeather, row: int, u: dict[str, FloatArray], wind_spread: float, cover_spread: float
+) -> WeatherOfDraws:
+    """Return the weather of every draw at a row of the track, from its member with its errors; the air is the climatology's."""
     # Not by turns: the order of Sobol points follows their first digits.
     member = np.minimum((u["row"] * ahead.members).astype(np.intp), ahead.members - 1)
     wind, come, cover = (of[row, member] for of in (ahead.wind_speed_m_s, ahead.wind_from_deg, ahead.cloud_cover))
@@ -195,7 +207,7 @@ def _given(ahead: ForecastWeather, row: int, u: dict[str, FloatArray], wind_spre
         errors = [ndtri(np.clip(u[name], 1e-12, 1.0 - 1e-12)) for name in _ERRORS]
         # Winds are reflected at the calm. Covers end at clear and overcast, which are states with chances of their own.
         wind, cover = np.abs(wind + wind_spread * errors[0]), np.clip(cover + cover_spread * errors[1], 0.0, 1.0)
-    return GivenWeather(wind, cover, come)
+    return own._replace(wind=wind, cover=cover, wind_from=come)
 
 
 def _notes(path: Path, ahead: ForecastWeather, wind_spread: float, cover_spread: float) -> list[str]:

@@ -1,0 +1,306 @@
+"""Climatology of the world's seas by month and cell: means at any place and time of the year, and draws of wind and cloud about them.
+
+The means are ships' observations in cells of 4 x 5 deg (Esbensen and Kushnir 1981): wind speed, cloud cover, sea and air temperature,
+specific humidity and pressure. They are interpolated linearly between the middles of cells and of months. Cells without data, which are
+land or ice, do not count: next to them the sea's cells alone are interpolated. Months without data of a cell that has others are
+interpolated between these.
+
+A place is at sea where its own cell has data.
+
+References
+----------
+S. K. Esbensen and Y. Kushnir, The heat budget of the global ocean: an atlas based on estimates from surface marine observations, Climatic
+Research Institute, report 29, Oregon State University (1981).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint.air.profile.air_profile import model_profile
+from seaglint.base.constants import EARTH_RADIUS
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.climate.conditions import WeatherOfDraws
+from seaglint.climate.weather_columns import ICE_POINT
+from seaglint.climate.weather_laws import class_means, cloud_at, joined, joint_shares, wind_at, wind_shape
+from seaglint.climate.weather_table import MONTHS, WeatherTable
+
+NAME: Final = "world"  #: Name of the climatology in the package.
+
+FEW: Final = 10  #: Number of wind observations below which a cell's month is reported.
+
+DAYS: Final = (31.0, 28.25, 31.0, 30.0, 31.0, 30.0, 31.0, 31.0, 30.0, 31.0, 30.0, 31.0)  #: Mean length of the months [days].
+
+CELL: Final = (4.0, 5.0)  #: Height and width of a cell [deg].
+
+_FIRST: Final = (-70.0, -180.0)  #: Middle of the cell in the south-west [deg].
+_SHAPE: Final = (38, 72)  #: Numbers of cells from south to north and from west to east.
+
+_COLUMNS: Final = ("wind_speed_m_s", "cloud_cover", "sea_temperature_c", "air_temperature_c", "specific_humidity_g_kg", "pressure_hpa")
+
+_VAPOUR: Final = 0.62198  #: Molar mass of water over that of dry air.
+_GAS_OF_VAPOUR: Final = 461.5  #: Gas constant of water vapour [J kg-1 K-1].
+
+
+class MeanConditions(NamedTuple):
+    """Monthly means at places and times [same shape each]."""
+
+    wind_speed_m_s: FloatArray  #: Scalar wind speed [m/s].
+    cloud_cover: FloatArray  #: Cloud cover [1].
+    sea_temperature_k: FloatArray  #: Temperature of the sea [K].
+    air_temperature_k: FloatArray  #: Temperature of the air [K].
+    specific_humidity: FloatArray  #: Specific humidity of the air [kg/kg].
+    pressure_hpa: FloatArray  #: Pressure at the surface [hPa].
+
+    @property
+    def relative_humidity(self) -> FloatArray:
+        """Relative humidity over water, at most 1 [1]: ``e = q p / (0.622 + 0.378 q)`` over Magnus' saturation pressure."""
+        q = self.specific_humidity
+        vapour = q * self.pressure_hpa / (_VAPOUR + (1.0 - _VAPOUR) * q)
+        celsius = self.air_temperature_k - ICE_POINT
+        # The constants of Alduchov and Eskridge (1996), Eq. 21, as in ``weather_columns.relative_humidity``.
+        saturated = 6.1094 * np.exp(17.625 * celsius / (243.04 + celsius))
+        return np.asarray(np.minimum(vapour / saturated, 1.0))
+
+    @property
+    def model(self) -> NDArray[np.int64]:
+        """Place among ``model_atmospheres`` of the model whose humidity at the sea is nearest in ratio."""
+        edges = np.array([humidity for _, humidity in model_atmospheres()])
+        middles = np.sqrt(edges[1:] * edges[:-1])
+        return np.asarray(np.searchsorted(middles, self.specific_humidity), dtype=np.int64)
+
+
+@cache
+def model_atmospheres() -> tuple[tuple[str, float], ...]:
+    """Model atmospheres with their specific humidity at the sea [kg/kg], the driest first."""
+    out = []
+    for name in ("tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "us-standard-1976"):
+        air = model_profile(name)
+        kelvin, vapour = float(air.temperature[0]), 1e-3 * float(air.vapour[0])
+        dry = (100.0 * float(air.pressure[0]) - vapour * _GAS_OF_VAPOUR * kelvin) / (_VAPOUR * _GAS_OF_VAPOUR * kelvin)
+        out.append((name, vapour / (dry + vapour)))
+    return tuple(sorted(out, key=lambda entry: entry[1]))
+
+
+@dataclass(frozen=True, eq=False)
+class WorldWeather:
+    """Monthly means of the world's seas by cell. Read by ``world_weather``."""
+
+    means: FloatArray  #: Means of ``MeanConditions`` by month and cell, 0 on land [(12, latitudes, longitudes, 6)].
+    sea: NDArray[np.bool_]  #: Cells with data [(latitudes, longitudes)].
+    observations: FloatArray  #: Number of wind observations; 0 where a month was interpolated [(12, latitudes, longitudes)].
+
+    @property
+    def latitude(self) -> FloatArray:
+        """Latitudes of the middles of the cells [deg]."""
+        return np.asarray(_FIRST[0] + CELL[0] * np.arange(_SHAPE[0]))
+
+    @property
+    def longitude(self) -> FloatArray:
+        """Longitudes of the middles of the cells [deg]."""
+        return np.asarray(_FIRST[1] + CELL[1] * np.arange(_SHAPE[1]))
+
+    def cell_of(self, latitude: ArrayLike, longitude: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Indices of the cells of places [deg]; the row is -1 or beyond the last where a place is beyond the grid."""
+        row = np.floor((np.asarray(latitude, dtype=np.float64) - _FIRST[0]) / CELL[0] + 0.5).astype(np.intp)
+        column = np.floor((np.asarray(longitude, dtype=np.float64) - _FIRST[1]) / CELL[1] + 0.5).astype(np.intp) % _SHAPE[1]
+        return row, column
+
+    def at_sea(self, latitude: ArrayLike, longitude: ArrayLike) -> NDArray[np.bool_]:
+        """True for places [deg] whose own cell has data."""
+        row, column = self.cell_of(latitude, longitude)
+        inside = (row >= 0) & (row < _SHAPE[0])
+        return np.asarray(inside & self.sea[np.clip(row, 0, _SHAPE[0] - 1), column])
+
+    def nearest_sea(self, latitude: float, longitude: float) -> tuple[float, float, float]:
+        """Return the middle of the cell with data that is nearest to a place [deg, deg], and its distance [m]."""
+        rows, columns = np.nonzero(self.sea)
+        north, east = np.radians(self.latitude[rows]), np.radians(self.longitude[columns] - longitude)
+        here = np.radians(latitude)
+        # Haversine: exact near the place too.
+        square = np.sin(0.5 * (north - here)) ** 2 + np.cos(north) * np.cos(here) * np.sin(0.5 * east) ** 2
+        k = int(np.argmin(square))
+        distance = 2.0 * EARTH_RADIUS * float(np.arcsin(np.sqrt(min(square[k], 1.0))))
+        return float(self.latitude[rows[k]]), float(self.longitude[columns[k]]), distance
+
+    def require_sea(self, latitude: float, longitude: float, name: str = "place") -> None:
+        """Refuse a place whose own cell has no data.
+
+        Raises
+        ------
+        DomainError
+            Naming the nearest place at sea.
+        """
+        if not bool(self.at_sea(latitude, longitude)):
+            north, east, distance = self.nearest_sea(latitude, longitude)
+            raise DomainError(
+                f"{name} = [{latitude:g}, {longitude:g}] is on land, in ice or in a sea without data (as the Mediterranean); the "
+                f"nearest sea of the climatology is [{north:g}, {east:g}], {1e-3 * distance:.0f} km away",
+                name=name,
+                value=(latitude, longitude),
+            )
+
+    def at(self, time_of_year: ArrayLike, latitude: ArrayLike, longitude: ArrayLike) -> MeanConditions:
+        """Means at times of the year and places, linear between the middles of months and of cells with data.
+
+        Parameters
+        ----------
+        time_of_year : array_like
+            Months since the beginning of the year [0 to 12]; 0.5 is the middle of January.
+        latitude, longitude : array_like
+            Places [deg]; broadcast.
+
+        Returns
+        -------
+        MeanConditions
+            NaN where none of the four cells about a place has data.
+        """
+        time, north, east = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (time_of_year, latitude, longitude)))
+        month = (time - 0.5) % 12.0
+        y = np.clip((north - _FIRST[0]) / CELL[0], 0.0, _SHAPE[0] - 1.0)
+        x = ((east - _FIRST[1]) / CELL[1]) % _SHAPE[1]
+        m, i, j = month.astype(np.intp) % 12, np.minimum(y.astype(np.intp), _SHAPE[0] - 2), x.astype(np.intp) % _SHAPE[1]
+        f, g, h = month - np.floor(month), y - i, x - np.floor(x)
+        total = np.zeros((*time.shape, len(_COLUMNS)))
+        weight = np.zeros(time.shape)
+        for a in range(2):
+            for b in range(2):
+                row, column = i + a, (j + b) % _SHAPE[1]
+                share = (g if a else 1.0 - g) * (h if b else 1.0 - h) * self.sea[row, column]
+                weight += share
+                now, then = self.means[m, row, column], self.means[(m + 1) % 12, row, column]
+                total += share[..., None] * ((1.0 - f)[..., None] * now + f[..., None] * then)
+        with np.errstate(invalid="ignore"):
+            total /= weight[..., None]
+        return MeanConditions(*np.moveaxis(total, -1, 0))
+
+    def draw(
+        self, time_of_year: FloatArray, latitude: FloatArray, longitude: FloatArray, wind: FloatArray, cloud: FloatArray
+    ) -> WeatherOfDraws:
+        """Draw wind and cloud cover about the means at uniform numbers, by the laws of ``weather_laws``; parameters as in ``at``.
+
+        Places without data get an arbitrary weather: their draws need a weight of 0.
+        """
+        means = self.at(time_of_year, latitude, longitude)
+        lost = np.isnan(means.wind_speed_m_s)
+        if lost.any():
+            means = MeanConditions(*(np.where(lost, fallback, values) for values, fallback in zip(means, _ANYWHERE, strict=True)))
+        speed = wind_at(wind, means.wind_speed_m_s, wind_shape(latitude, means.wind_speed_m_s))
+        return WeatherOfDraws(speed, cloud_at(joined(wind, cloud), means.cloud_cover), np.full(speed.shape, np.nan), means.model)
+
+    def table(self, latitude: ArrayLike, longitude: ArrayLike, months: Sequence[int] = (), *, area: ArrayLike = 1.0) -> WeatherTable:
+        """Rows of weather at places by month: classes of wind by the nine oktas, with sea, air and humidity of the place and month.
+
+        Parameters
+        ----------
+        latitude, longitude : array_like
+            Places at sea [deg, (n,)].
+        months : sequence of int
+            Months of the rows; all where empty.
+        area : array_like
+            Weight of each place [(n,)]; months weigh as their days.
+        """
+        north, east, size = np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, dtype=np.float64)) for x in (latitude, longitude, area)))
+        number = np.array(months or range(1, 13), dtype=np.float64)
+        means = self.at(number[:, None] - 0.5, north, east)
+        winds = class_means(means.wind_speed_m_s, wind_shape(north, means.wind_speed_m_s))
+        shares = joint_shares(means.cloud_cover)
+        days = np.array(DAYS)[number.astype(np.intp) - 1]
+        weight = shares * (days / days.sum())[:, None, None, None] * (size / size.sum())[:, None, None]
+
+        def spread(values: FloatArray) -> FloatArray:
+            return np.broadcast_to(values[..., None, None], weight.shape).ravel()
+
+        columns = {
+            "weight": weight.ravel(),
+            "wind_speed_m_s": np.broadcast_to(winds[..., None], weight.shape).ravel(),
+            "cloud_cover": np.broadcast_to(np.arange(9) / 8.0, weight.shape).ravel(),
+            "sea_temperature_k": spread(means.sea_temperature_k),
+            "air_temperature_k": spread(means.air_temperature_k),
+            "relative_humidity": spread(means.relative_humidity),
+            "month": spread(np.broadcast_to(number[:, None], means.cloud_cover.shape)),
+            "latitude_deg": spread(np.broadcast_to(north, means.cloud_cover.shape)),
+            "longitude_deg": spread(np.broadcast_to((east + 180.0) % 360.0 - 180.0, means.cloud_cover.shape)),
+        }
+        names = np.array([name for name, _ in model_atmospheres()])[means.model]
+        return WeatherTable(columns, {"atmosphere": np.broadcast_to(names[..., None, None], weight.shape).ravel()})
+
+    def cells(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Latitudes and longitudes of the middles of the cells with data [deg], and their areas as shares of the largest [1]."""
+        rows, columns = np.nonzero(self.sea)
+        north = self.latitude[rows]
+        return north, self.longitude[columns], np.cos(np.radians(north))
+
+    def few(self, rows: ArrayLike, columns: ArrayLike, months: Sequence[int] = ()) -> list[tuple[int, int, int, int]]:
+        """Months and cells at these indices with fewer than ``FEW`` wind observations: (month, row, column, number)."""
+        out = []
+        for month in months or range(1, 13):
+            for row, column in zip(np.atleast_1d(rows).tolist(), np.atleast_1d(columns).tolist(), strict=True):
+                number = round(float(self.observations[month - 1, row, column]))
+                if self.sea[row, column] and number < FEW:
+                    out.append((month, row, column, number))
+        return out
+
+
+#: Means in place of missing ones, of draws that do not count.
+_ANYWHERE: Final = (7.0, 0.6, 288.0, 288.0, 0.008, 1013.0)
+
+
+def time_of_year(seconds: FloatArray) -> FloatArray:
+    """Months since the beginning of the year [0 to 12] of seconds since 1970-01-01 UTC.
+
+    >>> time_of_year(np.array([15.5 * 86400.0])).tolist()
+    [0.5]
+    """
+    moment = seconds.astype("datetime64[s]")
+    month = moment.astype("datetime64[M]")
+    begin, end = month.astype("datetime64[s]").astype(np.float64), (month + 1).astype("datetime64[s]").astype(np.float64)
+    return np.asarray(month.astype(np.int64) % 12 + (seconds - begin) / (end - begin))
+
+
+@cache
+def world_weather() -> WorldWeather:
+    """Climatology of the package."""
+    text = (resources.files("seaglint.climate") / "data" / f"{NAME}.csv").read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    header = lines[0].split(",")
+    table = np.loadtxt(lines[1:], delimiter=",")
+    columns = {name: table[:, i] for i, name in enumerate(header)}
+    month = columns["month"].astype(np.intp) - 1
+    row = np.rint((columns["latitude_deg"] - _FIRST[0]) / CELL[0]).astype(np.intp)
+    column = np.rint((columns["longitude_deg"] - _FIRST[1]) / CELL[1]).astype(np.intp)
+    means, counts = np.full((12, *_SHAPE, len(_COLUMNS)), np.nan), np.zeros((12, *_SHAPE))
+    means[month, row, column] = np.stack([_in_si(name, columns[name]) for name in _COLUMNS], axis=1)
+    counts[month, row, column] = 10.0 ** columns["log10_wind_observations"]
+    known = ~np.isnan(means[..., 0])
+    sea = known.any(0)
+    for i, j in zip(*np.nonzero(sea & ~known.all(0)), strict=True):
+        have = np.flatnonzero(known[:, i, j])
+        for k in range(len(_COLUMNS)):
+            means[:, i, j, k] = np.interp(np.arange(12.0), have, means[have, i, j, k], period=12.0)
+    means[:, ~sea] = 0.0
+    return WorldWeather(means, sea, counts)
+
+
+def _in_si(name: str, values: FloatArray) -> FloatArray:
+    if name.endswith("_c"):
+        return values + ICE_POINT
+    return 1e-3 * values if name == "specific_humidity_g_kg" else values
+
+
+def few_observations(world: WorldWeather, latitude: float, longitude: float, months: Sequence[int]) -> str | None:
+    """Sentence on the months of a place's cell that rest on few observations; None without any."""
+    row, column = world.cell_of(latitude, longitude)
+    few = world.few(row, column, months)
+    if not few:
+        return None
+    each = ", ".join(f"{MONTHS[month - 1]} {number}" for month, _, _, number in few)
+    return f"few wind observations in the cell of [{latitude:g}, {longitude:g}]: {each}; below {FEW} a month's means are uncertain"
