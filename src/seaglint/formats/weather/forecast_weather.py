@@ -103,7 +103,7 @@ def read_forecast(path: Path, time: FloatArray, latitude: FloatArray, longitude:
     members = grid.data.sizes.get("member", 1)
     # Speed, unit vector of the wind to the east and north, and cover.
     total = np.zeros((4, time.size, members))
-    for step in np.unique(np.concatenate([steps.first, steps.second[steps.share > 0.0]])).tolist():
+    for step in np.unique(np.concatenate([steps.first[steps.share < 1.0], steps.second[steps.share > 0.0]])).tolist():
         weight = np.where(steps.first == step, 1.0 - steps.share, 0.0) + np.where(steps.second == step, steps.share, 0.0)
         rows = np.flatnonzero(weight > 0.0)
         total[:, rows] += weight[rows, None] * _at_step(grid, step, *(_rows(lines[name], rows) for name in ("latitude", "longitude")))

@@ -123,8 +123,8 @@ class WeatherGrid:
     """Grid of weather that is read piece by piece. Made by ``open_grid``."""
 
     path: Path  #: The file.
-    data: Any  #: Dataset over ``time, latitude, longitude``, before them ``member`` where it is an ensemble; numbers as in the file.
-    units: Mapping[str, Line]  #: Factor and offset of each quantity to m/s, K, m or a share of 1.
+    data: Any  #: Dataset over ``time, member`` of an ensemble, ``latitude, longitude``; numbers as in the file.
+    units: Mapping[str, str]  #: Unit of each quantity in the file.
     names: Mapping[str, str]  #: Names in the file by ours, with ``member``, the dimension of an ensemble.
     notes: tuple[str, ...]  #: Sentences on what was assumed.
 
@@ -136,15 +136,14 @@ class WeatherGrid:
         DataError
             A cover beyond 1: its unit is another one than the file states.
         """
-        factor, offset = self.units[name]
+        factor, offset = QUANTITIES[name].units[self.units[name]]
         out = factor * np.asarray(values, dtype=np.float64) + offset
         if name != "tcc":
             return out
         wrong = out[np.abs(out - 0.5) > 0.5 + _ROUNDING]
         if wrong.size:
-            unit = self.data[name].attrs.get("units")
             raise DataError(
-                f"{self.path}: {self.names[name]} is {wrong[0] / factor:g} in the unit '{unit}', a cover outside 0 to 1; correct its "
+                f"{self.path}: {self.names[name]} is {wrong[0] / factor:g} in the unit '{self.units[name]}', a cover outside 0 to 1; correct its "
                 "attribute units (percent, okta or 1) or the value"
             )
         return np.clip(out, 0.0, 1.0)
@@ -171,7 +170,7 @@ def open_grid(path: Path, *, join: Literal["outer", "inner"] = "outer") -> Weath
     notes: list[str] = []
     names: dict[str, str] = {}
     fields: dict[str, Any] = {}
-    units: dict[str, Line] = {}
+    units: dict[str, str] = {}
     for name, field in (_grib_fields if is_grib(path) else _netcdf_fields)(path, notes):
         names.setdefault(name, str(field.name))
         units[name] = _unit(path, name, field)
@@ -282,8 +281,10 @@ def _fits(field: Any, quantity: Quantity) -> bool:
 
 def _heights(field: Any) -> list[float]:
     """Return the heights above the surface that a field states [m]: by a coordinate, else by its level or description."""
+    # Coordinates of a single value are those of every field to xarray; the field itself names its own ones.
+    own = {*map(str, field.dims), *str(field.encoding.get("coordinates", "")).split()}
     for name in map(str, field.coords):
-        if name not in _PLACES and str(field[name].attrs.get("units", "")) in _METRES:
+        if name in own and str(field[name].attrs.get("units", "")) in _METRES:
             return [round(float(value), 3) for value in np.atleast_1d(field[name].values)]
     text = " ".join(str(field.attrs.get(key, "")) for key in ("level", "long_name"))
     return [float(number) for number in _STATED_HEIGHT.findall(text)]
@@ -317,7 +318,8 @@ def _grib_fields(path: Path, notes: list[str]) -> list[tuple[str, Any]]:
     return [(ours, field) for ours, field in fields if ours not in instant or field.attrs.get("GRIB_stepType") == "instant"]
 
 
-def _unit(path: Path, name: str, field: Any) -> Line:
+def _unit(path: Path, name: str, field: Any) -> str:
+    """Return the unit that a field states, as one of its quantity."""
     unit, allowed = field.attrs.get("units"), QUANTITIES[name].units
     if unit is None:
         # GrADS Data Servers write the unit at the end of the description: "... u-component of wind [m/s]".
@@ -328,7 +330,7 @@ def _unit(path: Path, name: str, field: Any) -> Line:
         raise DataError(
             f"{path}: {field.name} has {what}; allowed are {', '.join(allowed)}: convert it, or use CSV with map='NAME=COLUMN:UNIT'"
         )
-    return allowed[str(unit).strip()]
+    return str(unit).strip()
 
 
 def _with_dimensions(path: Path, name: str, field: Any) -> Any:
