@@ -171,7 +171,7 @@ def _unit(name: str, unit: str | None):
         ({"v10": lambda d: xr.concat([d, d], "expver").assign_coords(expver=[7, 8])}, r"has expver \[7, 8\]"),
         ({"v10": lambda d: xr.concat([d, d], "level")}, "has 2 entries of 'level'; select one of them"),
         (
-            {"v10": lambda d: xr.concat([d.rename(valid_time="step").assign_coords(step=range(4)).assign(time=d.valid_time[0])] * 2, "time")},
+            {"v10": lambda d: xr.concat([d.rename(valid_time="step").assign_coords(step=range(4), time=d.valid_time[0])] * 2, "time")},
             "has 2 forecasts of 4 steps each; select one of them, as in xarray: isel",
         ),
     ],

@@ -167,3 +167,9 @@ def grib(path: Path, of: Fields, members: int = 0) -> Path:
                 write(file, "cover", 100.0 * of.cover[at], 6 * i, 10, 0, m)
                 write(file, "cover", 0.0 * of.cover[at], 6 * i, 100, 50000, m)
     return path
+
+
+def way(path: Path, hours=range(5, 18)) -> Path:
+    """A ship's way on the day of the fields, one row an hour."""
+    path.write_text("time_utc,latitude_deg,longitude_deg\n" + "".join(f"2026-06-20T{h:02d}:00:00Z,51,{-1 + h / 20}\n" for h in hours))
+    return path
