@@ -318,6 +318,9 @@ def likelihood(
     by_month: bool = False,
     step: float | None = None,
     track: str | Path | None = None,
+    forecast: str | Path | None = None,
+    wind_spread: float = 0.0,
+    cover_spread: float = 0.0,
     best: bool = False,
     date: str | None = None,
     workers: int | Workers | None = None,
@@ -339,8 +342,9 @@ def likelihood(
     -------
     ResultRecord or xarray.Dataset
         Chances of the thresholds with their intervals and causes, ``plot()`` draws them; with ``by_month`` a map, ``probability`` [1] over
-        ``threshold, month, latitude, longitude``; with ``track`` the chance of each threshold [1] over ``time`` along the way; with
-        ``best`` the ``probability`` of each threshold, hour, depression and bearing, and of them ``best``, ``worst`` and ``best_by_hour``.
+        ``threshold, month, latitude, longitude``; with ``track`` the chance of each threshold [1] over ``time`` along the way, and with
+        ``forecast`` beside it ``forecast_probability`` and the weather of the forecast; with ``best`` the ``probability`` of each
+        threshold, hour, depression and bearing, and of them ``best``, ``worst`` and ``best_by_hour``.
 
     Raises
     ------
@@ -355,17 +359,20 @@ def likelihood(
     >>> 0.0 <= chances["results"][0]["probability"] <= 1.0
     True
     """
-    request = LikelihoodRequest(by_month=by_month, step=step, track=None if track is None else Path(track), best=best, date=date)
+    way, ahead = (None if path is None else Path(path) for path in (track, forecast))
+    LikelihoodRequest(
+        by_month=by_month, step=step, track=way, forecast=ahead, wind_spread=wind_spread, cover_spread=cover_spread, best=best, date=date
+    )
     loaded = scenario_of(scenario)
     if by_month:
         from seaglint.studies.likelihood.chance_map import likelihood_map
 
         with team_of(workers) as team:
             return likelihood_map(loaded, step=step, progress=progress, workers=team)
-    if request.track is not None:
+    if way is not None:
         from seaglint.studies.likelihood.ship_track import along_track
 
-        return along_track(loaded, request.track).dataset()
+        return along_track(loaded, way, forecast=ahead, wind_spread=wind_spread, cover_spread=cover_spread).dataset()
     if best:
         return _best_looks(loaded, date, progress)
     from seaglint.studies.likelihood.glint_chance import likelihood as computed

@@ -23,6 +23,7 @@ from seaglint.formats.tables.table_text import require_parquet
 from seaglint.formats.weather import era5_weather as era5
 from seaglint.formats.weather import marine_reports
 from seaglint.formats.weather.weather_cells import SEPARATORS, TextColumns, WeatherSource, header_of, lines_of, read_cells, shown, text_of
+from seaglint.formats.weather.weather_grid import is_grib, is_netcdf
 from seaglint.store.outputs import moved_when_whole, refuse_existing, write_text
 
 SUFFIXES: Final = (".csv", ".parquet")  #: Endings of the files that are written.
@@ -241,8 +242,8 @@ class WeatherReading:
 
 
 def is_grid(path: Path) -> bool:
-    """Return true where a file is an ERA5 grid, NetCDF or GRIB."""
-    return not is_world(path) and (era5.is_grib(path) or era5.is_netcdf(path))
+    """Return true where a file is a grid of weather, NetCDF or GRIB."""
+    return not is_world(path) and (is_grib(path) or is_netcdf(path))
 
 
 def read_source(path: Path, selection: Selection, reading: WeatherReading, beside: tuple[Path, ...] = ()) -> WeatherSource:

@@ -309,6 +309,11 @@ class LikelihoodModel:
         # Cached properties are copied: the other model need not have computed them before.
         self.__dict__.update({name: getattr(other, name) for name in _SHARED})
 
+    def reaching(self, wind: float) -> LikelihoodModel:
+        """Return the model with tables of air and sea up to a wind [m/s], at most the strongest of the law of slopes."""
+        top = min(_strongest(self.scenario), wind)
+        return self if top <= self.winds[1] else replace(self, winds=(self.winds[0], top))
+
     def of_months(self, months: tuple[int, ...]) -> LikelihoodModel:
         """Return the model for other months; tables of air and sea are shared."""
         settings = self.settings.model_copy(update={"months": months})
@@ -499,15 +504,13 @@ def _strongest(scenario: Scenario) -> float:
     """Return the strongest wind of the sea's slopes [m/s]."""
     law = scenario.sea.slopes
     if isinstance(law, SpectrumSlopes | FlatSlopes):
-        top = WIND_PROFILE[1] if isinstance(law, FlatSlopes) else NAVY_AEROSOL_WIND[1]
         if isinstance(law, SpectrumSlopes) and scenario.sea.spectrum.kind not in ("elfouhaily", "pierson-moskowitz", "jonswap"):
             raise ScenarioError(
                 f"sea.slopes.kind = 'spectrum' with sea.spectrum.kind = '{scenario.sea.spectrum.kind}': its waves do not follow "
                 "the weather's wind; choose a spectrum that does ('elfouhaily'), or slopes by wind"
             )
-    else:
-        top = WIND_PROFILE[1] if law.extrapolate else law.winds[1]
-    return top
+        return WIND_PROFILE[1] if isinstance(law, FlatSlopes) else NAVY_AEROSOL_WIND[1]
+    return WIND_PROFILE[1] if law.extrapolate else law.winds[1]
 
 
 def _air_of_strong_winds(scenario: Scenario, strongest: float, notes: list[str]) -> None:

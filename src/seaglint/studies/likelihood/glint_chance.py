@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject
 from seaglint.climate import draws as by
-from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, illuminated, months_of
+from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, WeatherOfDraws, illuminated, months_of
 from seaglint.climate.draws import Estimate, SamplingPlan, estimate, strata
 from seaglint.climate.exceeding_azimuths import azimuth_shares
 from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes
@@ -204,9 +204,11 @@ def draw(
     return evaluated(model, u, where, plan, azimuth, integrated=whole)
 
 
-def uniform_numbers(model: LikelihoodModel, plan: SamplingPlan, seed: int, *, plain: bool = False) -> dict[str, FloatArray]:
-    """Return uniform numbers of draws by name [(total,) each]; 0 for numbers on which the scenario does not depend."""
-    names = (*_varying(model), *(f"smooth_{name}" for name in model.bandwidth))
+def uniform_numbers(
+    model: LikelihoodModel, plan: SamplingPlan, seed: int, *, plain: bool = False, more: tuple[str, ...] = ()
+) -> dict[str, FloatArray]:
+    """Return uniform numbers of draws by name [(total,) each], with ``more`` names; 0 where the scenario does not depend on them."""
+    names = (*_varying(model), *(f"smooth_{name}" for name in model.bandwidth), *more)
     points = plan.uniform(len(names), seed, plain=plain)
     return {name: np.zeros(plan.total) for name in DIMENSIONS} | {name: np.ascontiguousarray(points[:, i]) for i, name in enumerate(names)}
 
@@ -219,10 +221,14 @@ def evaluated(
     azimuth: FloatArray | float | None = None,
     *,
     integrated: bool = False,
+    weather: WeatherOfDraws | None = None,
 ) -> Draws:
-    """Evaluate looks in conditions that are drawn already; ``integrated`` evaluates the shares of their azimuths too."""
+    """Evaluate looks in conditions that are drawn already; ``integrated`` evaluates the shares of their azimuths too.
+
+    ``weather`` replaces the weather of the conditions, of which time and place remain.
+    """
     settings = model.settings
-    wind, cover, wind_from, air = model.weather(where, u)
+    wind, cover, wind_from, air = model.weather(where, u) if weather is None else weather
     missing = model.scenario.wind.from_deg if model.gives_wind_direction else 360.0 * u["wind"]
     # Winds are named by where they come from.
     wind_to = np.radians(np.where(np.isnan(wind_from), missing, wind_from) + 180.0)
