@@ -384,9 +384,7 @@ class LikelihoodRequest:
         if self.date is not None and not self.best:
             raise DataError(f"`date` = {self.date}: is for `best` alone; other results have the times of the scenario")
         if self.forecast is not None and self.track is None:
-            raise DataError(
-                "a forecast is given without a track: it is read along one; give `track`, a CSV of the way")
-            )
+            raise DataError("a forecast is given without a track: it is read along one; give `track`, a CSV of the way")
         for name, most, unit in (("wind_spread", 50.0, "m/s"), ("cover_spread", 1.0, "share of the sky")):
             value = getattr(self, name)
             if not 0.0 <= value <= most:
