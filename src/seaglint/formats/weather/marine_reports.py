@@ -111,7 +111,7 @@ _NCEI: Final = {
 _FAHRENHEIT: Final = 1.0 / 1.8  #: Degree Fahrenheit [K].
 _FREEZING_F: Final = 32.0  #: Freezing point of water [degF].
 
-#: Headings of NCEI's earlier orders, whose temperatures are in degrees Fahrenheit.
+#: Headings of NCEI's earlier orders, whose temperatures are in degrees Fahrenheit; of the sea's the published sample has none.
 _NCEI_ORDER: Final = {
     "Latitude": ("LAT", 1.0), "Longitude": ("LON", 1.0), "Wind Direction": ("D", 1.0), "Wind Speed": ("W", 0.1), "Visibility": ("VV", 1.0),
     "Present Weather": ("WW", 1.0), "Air Temperature": ("AT", _FAHRENHEIT), "Dew Point Temperature": ("DPT", _FAHRENHEIT),
