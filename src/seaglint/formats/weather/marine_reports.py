@@ -111,7 +111,7 @@ _NCEI: Final = {
 _FAHRENHEIT: Final = 1.0 / 1.8  #: Degree Fahrenheit [K].
 _FREEZING_F: Final = 32.0  #: Freezing point of water [degF].
 
-#: Headings of NCEI's earlier orders, whose temperatures are in degrees Fahrenheit.
+#: Headings of NCEI's earlier orders, whose temperatures are in degrees Fahrenheit; of the sea's the published sample has none.
 _NCEI_ORDER: Final = {
     "Latitude": ("LAT", 1.0), "Longitude": ("LON", 1.0), "Wind Direction": ("D", 1.0), "Wind Speed": ("W", 0.1), "Visibility": ("VV", 1.0),
     "Present Weather": ("WW", 1.0), "Air Temperature": ("AT", _FAHRENHEIT), "Dew Point Temperature": ("DPT", _FAHRENHEIT),
@@ -220,8 +220,10 @@ def _layout() -> dict[str, tuple[int, int]]:
 LAYOUT: Final = _layout()  #: First column and the one behind the last of every field, counted from 0.
 
 
-def _cell(line: str, name: str) -> str:
-    return line[slice(*LAYOUT[name])].strip(" ")
+def _date_and_place(line: str) -> list[int | None] | None:
+    """Return year, month, day, hour, latitude and longitude of a record as written, None where blank; None if one is no number."""
+    cells = [line[slice(*LAYOUT[name])].strip(" ") for name in ("YR", "MO", "DY", "HR", "LAT", "LON")]
+    return [int(cell) if cell else None for cell in cells] if all(_WHOLE.fullmatch(cell) for cell in cells if cell) else None
 
 
 def imma_fault(line: str) -> str:
@@ -232,12 +234,12 @@ def imma_fault(line: str) -> str:
     >>> imma_fault("2005 714 650 4512 33075 130")
     'shorter than 45 columns'
     """
-    cells = [_cell(line, name) for name in ("YR", "MO", "DY", "HR", "LAT", "LON")]
     if len(line) < LAYOUT["C1"][1]:
         return "shorter than 45 columns"
-    if not all(_WHOLE.fullmatch(cell) for cell in cells if cell):
+    numbers = _date_and_place(line)
+    if numbers is None:
         return "with something else than numbers in date and place"
-    year, month, day, _, lat, lon = (int(cell) if cell else None for cell in cells)
+    year, month, day, _, lat, lon = numbers
     if year is None:
         return "without a year"
     return _date_fault(year, month, day) or _place_fault(0.01 * (lat or 0), 0.01 * (lon or 0))
@@ -258,8 +260,9 @@ def _place_fault(latitude: float, longitude: float) -> str:
 
 
 def looks_like_imma(lines: Sequence[Line]) -> bool:
-    """Return true for lines of which one at least begins as an IMMA record, with year, month, day, hour and place in its columns."""
-    return any(not imma_fault(line.ljust(LAYOUT["C1"][1])) and _cell(line, "LAT") for _, line in lines)
+    """Return true for lines of which one at least has a year, a latitude and, in their columns, only numbers for date and place."""
+    found = (_date_and_place(line) for _, line in lines)
+    return any(numbers and numbers[4] is not None and YEARS[0] <= (numbers[0] or 0) <= YEARS[1] for numbers in found)
 
 
 def read_imma(path: Path) -> WeatherSource:
