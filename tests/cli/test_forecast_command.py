@@ -45,7 +45,7 @@ def test_the_command_writes_both_and_python_has_the_same(tmp_path: Path, seaglin
     ("options", "message"),
     [
         (("--forecast", "f.nc"), "a forecast is given without a track"),
-        (("--map", "--track", "way.csv"), "a map by month and a track are both given"),
+        (("--map", "--track", "way.csv"), "--map and --track are given: a map, the way of a ship"),
         (("--track", "way.csv", "--wind-spread", "2"), "--wind-spread 2 is given without a forecast"),
         (("--track", "way.csv", "--forecast", "f.nc", "--cover-spread", "20"), "--cover-spread 20 is outside 0 to 1"),
         (("--track", "way.csv", "--forecast", "none.nc"), "none.nc: cannot be read"),
