@@ -51,7 +51,7 @@ _ROUNDING: Final = 1e-3
 
 
 @dataclass(frozen=True)
-class Quantity:
+class GridQuantity:
     """Quantity that is read from grids."""
 
     units: Mapping[str, Line]  #: Spellings of its units.
@@ -61,14 +61,14 @@ class Quantity:
 
 
 #: Quantities that are read, by the names of ERA5.
-QUANTITIES: Final[Mapping[str, Quantity]] = {
-    "u10": Quantity(
+QUANTITIES: Final[Mapping[str, GridQuantity]] = {
+    "u10": GridQuantity(
         _SPEED, ("u10", "10u", "UGRD_10maboveground", "ugrd10m", "u-component_of_wind_height_above_ground", "UGRD"), "eastward_wind", 10.0
     ),
-    "v10": Quantity(
+    "v10": GridQuantity(
         _SPEED, ("v10", "10v", "VGRD_10maboveground", "vgrd10m", "v-component_of_wind_height_above_ground", "VGRD"), "northward_wind", 10.0
     ),
-    "tcc": Quantity(
+    "tcc": GridQuantity(
         _SHARE,
         (
             "tcc",
@@ -81,13 +81,13 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
         ),
         "cloud_area_fraction",
     ),
-    "sst": Quantity(_KELVIN, ("sst",), "sea_surface_temperature"),
-    "t2m": Quantity(_KELVIN, ("t2m", "2t", "TMP_2maboveground", "tmp2m", "Temperature_height_above_ground"), "air_temperature", 2.0),
-    "d2m": Quantity(
+    "sst": GridQuantity(_KELVIN, ("sst",), "sea_surface_temperature"),
+    "t2m": GridQuantity(_KELVIN, ("t2m", "2t", "TMP_2maboveground", "tmp2m", "Temperature_height_above_ground"), "air_temperature", 2.0),
+    "d2m": GridQuantity(
         _KELVIN, ("d2m", "2d", "DPT_2maboveground", "dpt2m", "Dewpoint_temperature_height_above_ground"), "dew_point_temperature", 2.0
     ),
-    "swh": Quantity(_METRES, ("swh", "HTSGW_surface", "htsgwsfc"), "sea_surface_wave_significant_height"),
-    "r2": Quantity(_SHARE, ("r2", "2r", "RH_2maboveground", "rh2m", "Relative_humidity_height_above_ground"), "relative_humidity", 2.0),
+    "swh": GridQuantity(_METRES, ("swh", "HTSGW_surface", "htsgwsfc"), "sea_surface_wave_significant_height"),
+    "r2": GridQuantity(_SHARE, ("r2", "2r", "RH_2maboveground", "rh2m", "Relative_humidity_height_above_ground"), "relative_humidity", 2.0),
 }
 
 _WIND: Final = ("u10", "v10")
@@ -143,8 +143,8 @@ class WeatherGrid:
         wrong = out[np.abs(out - 0.5) > 0.5 + _ROUNDING]
         if wrong.size:
             raise DataError(
-                f"{self.path}: {self.names[name]} is {wrong[0] / factor:g} in the unit '{self.units[name]}', a cover outside 0 to 1; correct its "
-                "attribute units (percent, okta or 1) or the value"
+                f"{self.path}: {self.names[name]} is {wrong[0] / factor:g} in the unit '{self.units[name]}', a cover outside 0 to 1; "
+                "correct its attribute units (percent, okta or 1) or the value"
             )
         return np.clip(out, 0.0, 1.0)
 
@@ -273,7 +273,7 @@ def _plain(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
-def _fits(field: Any, quantity: Quantity) -> bool:
+def _fits(field: Any, quantity: GridQuantity) -> bool:
     """Return true where a field is at the height of its quantity, or states none."""
     heights = _heights(field)
     return quantity.height is None or not heights or quantity.height in heights
