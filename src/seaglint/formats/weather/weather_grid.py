@@ -52,7 +52,7 @@ _ROUNDING: Final = 1e-3
 
 @dataclass(frozen=True)
 class GridQuantity:
-    """GridQuantity that is read from grids."""
+    """Quantity that is read from grids."""
 
     units: Mapping[str, Line]  #: Spellings of its units.
     names: tuple[str, ...]  #: Names in files, compared without case and signs, the first one first.
