@@ -24,9 +24,8 @@ _MONTHLY: Final = THRESHOLDS.index(0.25)
 
 
 def regions(samples: int = 131_072) -> dict[str, dict[str, FloatArray]]:
-    """Return chances by threshold, and by month at 0.25 W m-2 sr-1, of a look within 15 deg of the Sun; all with the packaged weather."""
+    """Return chances by threshold, and by month at 0.25 W m-2 sr-1, of a look within 15 deg of the Sun, in the weather of its seas."""
     results = {}
-    first: LikelihoodModel | None = None
     for name, (latitudes, longitudes) in REGIONS.items():
         settings = {
             "threshold_w_m2_sr": list(THRESHOLDS),
@@ -38,9 +37,6 @@ def regions(samples: int = 131_072) -> dict[str, dict[str, FloatArray]]:
         model = LikelihoodModel.of(
             parse_scenario({"band": {"min_um": 3.0, "max_um": 5.0}, "sensor": {"height_m": 30.0}, "likelihood": settings})
         )
-        if first is not None:
-            model.share(first)
-        first = first or model
         drawn = draw(model)
         values = [draw_values(model, drawn, threshold) for threshold in THRESHOLDS]
         month = months_of(drawn.where.time)

@@ -33,7 +33,7 @@ def test_era5_ships_and_buoys_become_one_table_and_nothing_is_dropped_unsaid(tmp
         "imma1: ICOADS IMMA1, 2 records, 1 rows; left out: 1 of other months",
         "44011.txt: NDBC standard meteorological, 3 records, 1 rows; left out: 2 of other months",
         "cloud_cover: 1 missing values filled with 0.6, as asked",
-        "no rows in June (draws in that month use July), August (draws in that month use July)",
+        "rows in July only: they serve all the year",
         f"{out}: 24 rows written",
     ):
         assert line in answer.err.splitlines(), answer.err
@@ -108,6 +108,25 @@ def test_options_that_cannot_be_used_are_told_in_one_line(tmp_path, seaglint, ar
     assert not (tmp_path / "w.csv").exists()
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("wind_speed_m_s,cloud_cover,month\n3,0.5,13\n", "column month: month = 13 is outside the range allowed: 1 to 12"),
+        ("wind_speed_m_s,cloud_cover\n3,1.5\n", "column cloud_cover: cloud_cover = 1.5 is outside the range allowed: 0 to 1"),
+        (made.imma(mo="13") + "\n", "1 of 1 lines are no IMMA records: 1 with a month outside 1 to 12; the first is line 1"),
+        ("7" * 1_000_000 + "\n", "which is no weather that is read"),
+        ("a," * 500_000 + "b\n1\n", "columns are a, a, a"),
+    ],
+)
+def test_impossible_files_are_told_in_one_line(tmp_path, seaglint, text, said) -> None:
+    (tmp_path / "a.csv").write_text(text)
+    answer = seaglint("weather", "build", tmp_path / "a.csv", "-o", tmp_path / "w.csv")
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert answer.err.count("\n") == 1
+    assert len(answer.err) < 1000
+
+
 def test_other_files_and_outputs_are_refused(tmp_path, seaglint) -> None:
     (tmp_path / "44011.txt").write_text(made.NDBC_2019)
     (tmp_path / "notes.txt").write_text("hello\n")
@@ -160,7 +179,10 @@ def test_info_tells_and_draws_a_table(tmp_path: Path, seaglint) -> None:
     assert (tmp_path / "w.png").read_bytes()[:4] == b"\x89PNG"
     text = seaglint("weather", "info", tmp_path / "w.csv").out
     assert "most frequent wind from 0 deg, 62.5 % of the weight" in text
-    assert "no rows in December: draws in that month use January" in text
+    assert (
+        "no rows in February, March, April, November, December (January serves), May, June, August, September, October (July serves)"
+        in text
+    )
     assert "needed are wind_speed_m_s, cloud_cover" in seaglint("weather", "info", _bad(tmp_path)).err
     assert "north-atlantic: 1188 rows" in seaglint("weather", "info", "north-atlantic").out
 

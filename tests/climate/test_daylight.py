@@ -22,6 +22,8 @@ EVEN = (np.arange(65_536) + 0.5) / 65_536
         (5.0, 0.0, (0.0, 24.0)),  # no day
         (3.0, 7.0, (6.0, 18.0)),
         (15.0, 8.0, (20.0, 23.0)),
+        (1.0, 5.0, (22.0, 28.0)),  # through midnight, by day
+        (14.0, 9.0, (18.0, 40.0)),
     ],
 )
 def test_weights_undo_the_choice_of_hours(noon, half, hours):

@@ -110,6 +110,48 @@ def test_rows_places_bring_their_month_and_hour():
         conditions(table, u, Times(2025, (3,)), None)
 
 
+EVEN = (np.arange(2**16) + 0.5) / 2**16
+
+
+def _hours_counted(when, place, by_daylight):
+    """Share of the draws in each hour of the day."""
+    table = WeatherTable({"wind_speed_m_s": np.ones(1), "cloud_cover": np.zeros(1)})
+    u = dict.fromkeys(("row", "cover", "hour", "across", "along"), EVEN) | {"day": np.random.default_rng(3).permutation(EVEN)}
+    found = conditions(table, u, when, place, by_daylight=by_daylight)
+    weight = np.ones(EVEN.size) if found.weight is None else found.weight
+    assert np.sum(weight[months_of(found.time) != 6]) < 1e-3 * weight.sum()
+    return np.histogram(found.time % 86_400.0 / 3600.0, np.arange(25), weights=weight)[0] / weight.sum()
+
+
+@pytest.mark.parametrize("by_daylight", [False, True])
+@pytest.mark.parametrize("place", [(50.0, -20.0), (10.0, 170.0)])  # night and day at midnight UTC
+@pytest.mark.parametrize(("hours", "pieces"), [((22.0, 4.0), [(22.0, 24.0), (0.0, 4.0)]), ((20.0, 12.0), [(20.0, 24.0), (0.0, 12.0)])])
+def test_hours_through_midnight_are_two_pieces_by_their_lengths(hours, pieces, place, by_daylight):
+    whole = _hours_counted(Times(2025, (6,), hours), place, by_daylight)
+    lengths = [high - low for low, high in pieces]
+    parts = [_hours_counted(Times(2025, (6,), piece), place, by_daylight) for piece in pieces]
+    assert whole == pytest.approx(np.average(parts, axis=0, weights=lengths), rel=0.03, abs=1e-9)
+
+
+def test_rows_of_hours_through_midnight():
+    hour = np.array([21.9, 22.0, 23.5, 24.0, 0.0, 4.0, 4.1, 12.0])
+    table = WeatherTable(
+        {
+            "wind_speed_m_s": np.arange(1.0, 9.0),
+            "cloud_cover": np.zeros(8),
+            "month": np.full(8, 7.0),
+            "hour_utc": hour,
+            "latitude_deg": np.zeros(8),
+            "longitude_deg": np.zeros(8),
+        }
+    )
+    rng = np.random.default_rng(1)
+    u = {name: rng.random(500) for name in ("row", "cover", "day", "hour", "across", "along")}
+    assert set(conditions(table, u, Times(2025, hours=(22.0, 4.0)), None).rows.tolist()) == {1, 2, 3, 4, 5}
+    with pytest.raises(DomainError, match="between 13 and 20 h"):
+        conditions(table, u, Times(2025, hours=(13.0, 20.0)), None)
+
+
 def test_pairs_have_the_tables_law():
     # Two-dimensional: chi-square of 40 rows at 40 000 plain draws; 39 degrees of freedom, 1e-4 level 77.
     rng = np.random.default_rng(2)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.special import gamma
-from scipy.stats import beta, norm, weibull_min
+from scipy.stats import beta, kstest, norm, weibull_min
 
 from seaglint.base.errors import DomainError
 from seaglint.climate.weather_laws import CLOUD_SUM, WIND_CLOUD, cloud_at, cloud_shares, joint_shares, wind_at, wind_shape
@@ -91,12 +91,26 @@ def test_the_year_and_the_globe_are_closed() -> None:
             np.testing.assert_allclose(a, b, rtol=1e-6)
 
 
-def test_a_place_is_at_sea_where_its_cell_has_rows() -> None:
+def test_a_place_is_at_sea_where_cells_with_rows_have_half_of_the_weight() -> None:
     random, world = np.random.default_rng(5), world_weather()
     cells = {(lat, lon) for _, lat, lon in by_cell()}
-    for latitude, longitude in zip(random.uniform(-90, 90, 3000), random.uniform(-180, 180, 3000), strict=True):
-        middle = (-70 + 4 * np.floor((latitude + 72) / 4), (-180 + 5 * np.floor((longitude + 182.5) / 5) + 180) % 360 - 180)
-        assert bool(world.at_sea(latitude, longitude)) == (middle in cells)
+    for latitude, longitude in zip(random.uniform(-71, 79, 3000), random.uniform(-180, 180, 3000), strict=True):
+        weight = 0.0
+        for lat, lon in cells:
+            near = 1 - abs(min(max(latitude, -70.0), 78.0) - lat) / 4, 1 - abs((longitude - lon + 180) % 360 - 180) / 5
+            weight += near[0] * near[1] if min(near) > 0 else 0.0
+        assert bool(world.at_sea(latitude, longitude)) == (weight >= 0.5)
+    assert not world.at_sea([-73.0, 81.0], [-30.0, 0.0]).any()
+
+
+def test_a_place_off_the_coast_has_the_weather_of_the_nearest_sea() -> None:
+    """A light station in the bight of Carolina is at sea, the Skagerrak is served; Gibraltar is too far from the next cell."""
+    assert bool(world_weather().at_sea(33.48, -77.58))
+    north, east, note = world_weather().sea_at(57.0, 8.0)
+    assert bool(world_weather().at_sea(north, east))
+    assert "no observations at place = [57, 8]" in str(note)
+    with pytest.raises(DomainError, match="is on land, in ice or in a sea without data"):
+        world_weather().sea_at(36.0, -5.5)
 
 
 @pytest.mark.parametrize("place", [(48.1, 11.6), (36.0, 18.0), (85.0, 0.0), (-80.0, 10.0), (0.0, 20.0)])
@@ -113,7 +127,7 @@ def test_on_land_the_nearest_sea_is_named(place: tuple[float, float]) -> None:
     assert angle((north, east), place) == pytest.approx(angle(nearest, place), abs=1e-9)
     assert distance == pytest.approx(6.371e6 * angle((north, east), place), rel=2e-3)
     with pytest.raises(DomainError, match=rf"nearest sea of the climatology is \[{north:g}, {east:g}\]"):
-        world.require_sea(*place)
+        world.sea_at(*place)
 
 
 def test_times_of_the_year_are_those_of_the_calendar() -> None:
@@ -201,6 +215,36 @@ def test_relative_humidity_is_the_vapour_pressure_over_saturation() -> None:
     q = 0.62198 * vapour / (1013.25 - 0.37802 * vapour)
     means = MeanConditions(*(np.array(x) for x in (7.0, 0.5, 293.15, 293.15, q, 1013.25)))
     assert float(means.relative_humidity) == pytest.approx(0.525, abs=0.002)
+
+
+#: Reports of ships, light stations and drifters that the climatology, which ends before 1980, does not hold, or holds among thousands.
+#:
+#: Month, day, latitude, longitude [deg], sea and air temperature [deg C], wind [m/s]; None where missing. ICOADS release 3 (NOAA, public
+#: domain), as sampled in the repository glamod/cdm_reader_mapper.
+REPORTS = (
+    (2, 1, 71.2, 36.4, 4.5, -6.0, 12.9), (2, 1, 65.3, 7.3, 7.6, 1.1, 11.8), (2, 1, 71.3, 22.3, 6.7, -5.9, 6.2),
+    (11, 1, 42.31, -33.92, 19.3, None, None), (11, 1, 36.24, -159.92, 21.8, None, None), (11, 1, 35.42, -164.43, 22.7, None, None),
+    (11, 1, 31.49, -64.01, 25.9, None, None), (11, 1, 30.97, -28.28, 24.1, None, None), (1, 1, 75.6, 31.6, 4.6, 4.2, 10.0),
+    (1, 1, 69.6, 18.9, 5.8, 6.2, 8.0), (1, 1, 66.0, 8.1, None, 7.3, 12.9), (9, 1, 33.4, 122.58, 21.5, 17.2, 2.0),
+    (9, 1, 36.9, -75.7, 25.6, 25.6, 2.1), (9, 1, 41.39, -71.03, None, 18.9, 4.1), (9, 1, 36.9, -75.7, 25.6, 24.4, 3.1),
+)  # fmt: skip
+
+
+def test_single_reports_lie_inside_the_laws() -> None:
+    """Seas within 3.5 K, warmer on average (drifters of 2021 most); winds at quantiles that look uniform."""
+    world, seas, quantiles = world_weather(), [], []
+    for month, day, latitude, longitude, sea, air, wind in REPORTS:
+        means = world.at(month - 1 + day / 30.5, latitude, longitude)
+        if sea is not None:
+            seas.append(sea + 273.15 - float(means.sea_temperature_k))
+        if air is not None:
+            assert abs(air + 273.15 - float(means.air_temperature_k)) < 8.0
+        if wind is not None:
+            mean, shape = float(means.wind_speed_m_s), float(wind_shape(latitude, means.wind_speed_m_s))
+            quantiles.append(weibull_min(shape, scale=mean / gamma(1 + 1 / shape)).cdf(wind))
+    assert max(abs(np.array(seas))) < 3.5
+    assert np.mean(seas) == pytest.approx(0.9, abs=0.6)
+    assert kstest(quantiles, "uniform").pvalue > 0.05
 
 
 def test_winds_of_weak_and_steady_months_differ_in_shape() -> None:

@@ -269,7 +269,8 @@ def numbers_of(many: int) -> pytest.MarkDecorator:
 
 
 WAVES = ("ndbc", "ndbc_historical", "ndbc_netcdf", "cdip", "mhkit", "spotter_json", "spotter_csv", "swan", "swan_netcdf", "ww3",
-         "ww3_netcdf", "era5", "triaxys", "triaxys_plain", "octopus", "datawell", "own")  # fmt: skip
+         "ww3_netcdf", "era5", "triaxys", "triaxys_plain", "octopus", "datawell", "own",
+         "obscape", "awac", "awac_directions", "wwm")  # fmt: skip
 THEN = WaveChoice(str(wave_files.TIMES[1]), wave_files.LATITUDE, wave_files.LONGITUDE)
 FLAT = WaveChoice(THEN.time, THEN.latitude_deg, THEN.longitude_deg, from_deg=230.0, spreading_deg=30.0)
 

@@ -184,6 +184,16 @@ def test_what_cannot_be_meant_is_refused_in_one_line(layout: Layout, spoil, matc
     assert "\n" not in str(caught.value)
 
 
+def test_a_bad_line_elsewhere_is_left_out_and_told(tmp_path: Path) -> None:
+    path = rewritten(Layout().write(tmp_path), "96 06 01 09", "96 06 31 09")
+    result = read_waves(path, WaveChoice(THEN))
+    assert result.spectrum.significant_height() == pytest.approx(2.0, rel=0.01)
+    assert result.report["note"] == "1 of 5 records left out; line 5: '96 06 31 09' is no date and hour"
+    path.write_text(path.read_text().replace("96 06 01 ", "96 06 00 "))
+    with pytest.raises(DataError, match=r"5 of 5 records have no date; line 2: "):
+        read_waves(path, WaveChoice(THEN))
+
+
 def test_years_joined_in_one_file_have_their_own_headings(tmp_path: Path) -> None:
     """Files of two years one after the other, the first with two digits and no minutes."""
     old, new = Layout(), replace(Layout(digits=4, minutes=True, sign="#"), then=np.datetime64("2010-06-01T03:00"))

@@ -39,7 +39,8 @@ def ndbc_ascii(path: Path) -> xr.Dataset:
 
 
 # How each file is written, the format it is, and wavespectra's dataset of the sea at the second time (for historical NDBC files and
-# Spotters wavespectra has no right answer: it takes hundredths for ones, and the wave heights' times for the spectra's).
+# Spotters wavespectra has no right answer: it takes hundredths for ones, and the wave heights' times for the spectra's; it turns WWM's
+# directions and stretches an AWAC's frequencies).
 FILES = {
     "ndbc": (wave_files.ndbc, "ndbc", ndbc_ascii),
     "ndbc historical": (wave_files.ndbc_historical, "ndbc", None),
@@ -54,6 +55,12 @@ FILES = {
     "ww3 netcdf": (wave_files.ww3_netcdf, "ww3", lambda p: wavespectra.read_ww3(str(p)).isel(site=1)),
     "era5": (wave_files.era5, "era5", lambda p: wavespectra.read_era5(str(p)).isel(lat=0, lon=1)),
     "triaxys": (wave_files.triaxys, "triaxys", lambda p: wavespectra.read_triaxys(str(p))),
+    "obscape": (wave_files.obscape, "obscape", lambda p: wavespectra.read_obscape(str(p))),
+    "awac": (wave_files.awac, "awac", None),
+    "awac directions": (wave_files.awac_directions, "awac", None),
+    "wwm": (wave_files.wwm, "wwm", None),
+    "ww3 zarr": (wave_files.ww3_zarr, "ww3", lambda p: wavespectra.read_ww3(str(p), file_format="zarr").isel(site=1)),
+    "packed zarr": (wave_files.packed, "wavespectra", None),
     "octopus": (wave_files.octopus, "octopus", lambda p: wavespectra.read_octopus(str(p))),
     "datawell": (wave_files.datawell, "datawell", lambda p: wavespectra.read_datawell(str(p))),
     "wavespectra": (wave_files.own, "wavespectra", lambda p: wavespectra.read_wavespectra(str(p)).isel(site=1)),

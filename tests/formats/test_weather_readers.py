@@ -174,16 +174,6 @@ def test_imma_records_are_those_of_pandas_fixed_width(tmp_path: Path) -> None:
     assert "1 skies hidden by fog, rain or snow count as overcast" in source.notes
 
 
-def test_a_cut_imma_record_is_named(tmp_path: Path) -> None:
-    path = tmp_path / "imma1"
-    path.write_text(made.imma() + "\n" + made.imma(w="1x3") + "\n")
-    with pytest.raises(DataError, match=r"row 2 \(line 2\), columns 51-53: W = '1x3' is no whole number"):
-        read_source(path, Selection(), WeatherReading())
-    path.write_text(made.imma() + "\n2005 714\n")
-    with pytest.raises(DataError, match=r"line 2: '2005 714' does not begin with year, month"):
-        read_source(path, Selection(), WeatherReading())
-
-
 def test_icoads_csv_in_both_spellings(tmp_path: Path) -> None:
     short = tmp_path / "a.csv"
     short.write_text("YR,MO,DY,HR,LAT,LON,D,W,VV,WW,AT,DPT,SST,N,WH,SH\n2005,7,14,6.5,45.12,330.75,270,10.3,97,2,15.2,10.1,16.4,6,3,4\n")
@@ -282,7 +272,7 @@ def test_any_csv_by_a_map_of_knots_percent_and_zones(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("cells", "columns", "said"),
     [
-        ("ws,cloud\n3,0.5\n", [], r"line 1: columns are ws, cloud; name the columns that are read, e.g. map="),
+        ("ws,cloud\n3,0.5\n", [], r"line 1: columns are ws, cloud; name the columns to read, e.g. map="),
         ("ws,cloud\n3,50\n", ["wind_speed_m_s=ws", "cloud_cover=cloud"], r"row 1 \(line 2\), column cloud: .* = 50 is outside.*0 to 1"),
         ("ws,cloud\n3,0.5\n", ["wind_speed_m_s=speed"], r"column 'speed' of map=.* is not there; columns are ws, cloud"),
         ("t,ws\n2019-01-01T00:00,3\n", ["time=t", "wind_speed_m_s=ws"], r"row 1 \(line 2\), column t: .* has no time zone; .*utc=True"),

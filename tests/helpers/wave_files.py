@@ -6,7 +6,10 @@ The sea: 2 m high, 9 s, from 230 deg with a width of 30 deg; all numbers below a
 from __future__ import annotations
 
 import json
+import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -355,6 +358,134 @@ def datawell(folder: Path) -> Path:
     path = folder / "buoy}2024-03-01T03h00Z.spt"
     path.write_text("\n".join(lines) + "\n")
     return path
+
+
+def obscape(folder: Path, unit: str = "m2/Hz/rad", directions: str = "True North") -> Path:
+    """The portal's CSV: the second time alone, 3 deg steps written with three dots, local time beside the UTC second."""
+    columns = np.arange(0.0, 360.0, 3.0)
+    values = density(columns) * (180.0 / np.pi if unit.endswith("rad") else 1.0)
+    lines = [
+        "# Downloaded at 2024-03-02 08:08:46 [UTC]",
+        "# Station name = Example",
+        "# Device type = Wavebuoy",
+        "# Device serial = 000000",
+        f"# Latitude [deg] = {LATITUDE}",
+        f"# Longitude [deg] = {LONGITUDE}",
+        f"# Timestamp = {TIMES[1].astype('datetime64[s]').astype(int)}",
+        "# Timestring = 2024-03-01 04:00:00",
+        "# Timezone = Europe/Amsterdam",
+        "# Magnetic declination (corrected) [deg] = 13",
+        f"# Directions = {directions}",
+        "# ",
+        "# Columns [deg] = 0,3,6,... 357",
+        f"# Rows [Hz] = {','.join(f'{f:.6f}' for f in FREQUENCY)}",
+        f"# Variance-density [{unit}]",
+        *(",".join(f"{value:.6f}" for value in row) for row in values),
+    ]
+    path = folder / "20240301_030000_wavebuoy_000000_spec2D.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def nmea(*cells: object) -> str:
+    """A sentence with its checksum."""
+    body = ",".join(map(str, cells))
+    check = 0
+    for letter in body:
+        check ^= ord(letter)
+    return f"${body}*{check:02X}"
+
+
+def awac(folder: Path, directions: str = "PNORF", unit: float = 1.0) -> Path:
+    """Telegrams: energies of 98 bands, coefficients of the first 68 about the direction FROM, clockwise from north."""
+    frequency = 0.02 + 0.01 * np.arange(98)
+    from_ = np.radians(FROM)
+    r1, r2 = POWER / (POWER + 1), POWER * (POWER - 1) / ((POWER + 1) * (POWER + 2))
+    parts = {
+        "PNORF": {"A1": r1 * np.cos(from_), "B1": r1 * np.sin(from_), "A2": r2 * np.cos(2 * from_), "B2": r2 * np.sin(2 * from_)},
+        "PNORWD": {"MD": FROM, "DS": 30.0},
+        "none": {},
+    }[directions]
+    lines = [nmea("PNORI", 3, "WAV0000", 3, 18, 0.41, "1.00", 0)]
+    for hour, scale in ((0, 0.25), (3, 1.0)):
+        when, values = ("030124", f"{hour:02d}0000"), scale * energy(frequency)
+        height = 4.0 * np.sqrt(values.sum() * 0.01)
+        rest = (
+            *("0.00",) * 3,
+            "7.00",
+            "9.00",
+            "7.50",
+            f"{FROM:.2f}",
+            "30.00",
+            f"{FROM:.2f}",
+            "0.90",
+            "16.39",
+            0,
+            0,
+            "0.13",
+            "76.10",
+            "0000",
+        )
+        lines.append(nmea("PNORS", *when, "00", "30", 14.6, "1513.0", 291.1, 2.0, 0.3, 16.365, 17.07, 0, 0))
+        lines.append(nmea("PNORW", *when, 3, 4, f"{height:.2f}", *rest))
+        lines.append(nmea("PNORE", *when, 3, "0.02", "0.01", 98, *(f"{value / unit:.4f}" for value in values)))
+        for part, value in parts.items():
+            cells = [f"{value:.4f}"] * 68 + ["-9.0000"] * 3
+            lines.append(nmea(directions, part, *when, 3, "0.02", "0.01", len(cells), *cells))
+    path = folder / "waves.nmea"
+    path.write_text("\r\n".join(lines) + "\r\n")
+    return path
+
+
+def awac_directions(folder: Path) -> Path:
+    """The same with main direction and spread."""
+    return awac(folder, "PNORWD")
+
+
+def wwm_dataset() -> xr.Dataset:
+    """WWM's stations: action over angular frequency and direction TO, counter-clockwise from the x axis, in Fortran's order of axes."""
+    theta = np.radians(np.arange(0.0, 360.0, 10.0) + 5.0)
+    sigma = 2.0 * np.pi * FREQUENCY
+    # m2/Hz/deg to m2 s/rad/rad: per angular frequency, per radian, over the angular frequency.
+    action = density(270.0 - np.degrees(theta)) * (180.0 / np.pi) / (2.0 * np.pi) / sigma[:, None]
+    both = np.stack([0.25 * both_times(action), both_times(action)], axis=-1)
+    return xr.Dataset(
+        {
+            "AC": (("ocean_time", "ndir", "nfreq", "nbstation"), both.transpose(0, 2, 1, 3), {"units": "unk"}),
+            "SPSIG": ("nfreq", sigma, {"units": "list of wave frequencies"}),
+            "SPDIR": ("ndir", theta, {"units": "list of wave directions"}),
+            "lon": ("nbstation", [LONGITUDE + 1, LONGITUDE]),
+            "lat": ("nbstation", [LATITUDE, LATITUDE]),
+            "DEP": (("ocean_time", "nbstation"), np.full((2, 2), 1000.0)),
+            "HS": (("ocean_time", "nbstation"), [[0.5, 1.0], [1.0, 2.0]]),
+        },
+        {"ocean_time": TIMES},
+    )
+
+
+def wwm(folder: Path) -> Path:
+    """A run's stations."""
+    return _netcdf(wwm_dataset(), folder / "wwm_sta_0001.nc")
+
+
+def stored(write: Callable[..., Path], folder: Path, version: Literal[2, 3] = 3) -> Path:
+    """The NetCDF of another writer here as a Zarr store."""
+    with xr.open_dataset(write(folder)) as data:
+        for name in data.variables:
+            data[name].encoding = {}
+        data.load().to_zarr(folder / "waves.zarr", zarr_format=version, consolidated=version == 2)
+    return folder / "waves.zarr"
+
+
+def ww3_zarr(folder: Path) -> Path:
+    """WAVEWATCH III as a store of version 2 with consolidated metadata, as wavespectra's users have it."""
+    return stored(ww3_netcdf, folder, 2)
+
+
+def packed(folder: Path) -> Path:
+    """A packed store, with its folder inside the archive."""
+    stored(own, folder)
+    return Path(shutil.make_archive(str(folder / "packed.zarr"), "zip", folder, "waves.zarr"))
 
 
 def own(folder: Path) -> Path:

@@ -103,7 +103,7 @@ BASE = "pitch_um=17,pixels=640x512,focal_length_mm=35,f_number=1.1"
         (f"{BASE},focal_length_kg=3", "unknown key"),
         (f"{BASE},netd_mk=fifty", "netd_mk is an unknown key; did you mean netd_k"),
         ("netd_mk=50", "misses pixels=640x512, pitch_um=17, f_number=1.1"),
-        ("pitch_um=17,pixels=640,focal_length_mm=35,f_number=1.1", "sensor.pixels = 640 must be a pair"),
+        ("pitch_um=17,pixels=640,focal_length_mm=35,f_number=1.1", "sensor.pixels = 640 must be a list of 2 numbers"),
         ("pitch_um=17,pixels=640x512,f_number=1.1", "focal_length_m is missing"),
         (f"{BASE},netd_mk=20,band_um=3-5,integration_time_ms=3,read_noise_e=400", "any two of the three give the third"),
     ],

@@ -98,7 +98,7 @@ def test_weather_of_a_month_is_drawn_in_that_month():
     )
     assert chances(january)[0] > 0.5
     assert chances(july) == [0.0]
-    assert any("February (rows of January serve)" in note for note in january.as_dict()["notes"])
+    assert any("no rows in February, March, April, November, December (January serves), May" in note for note in january.as_dict()["notes"])
 
 
 def test_wind_comes_from_where_table_scenario_or_nobody_says():
@@ -163,6 +163,8 @@ def test_map_and_way(tmp_path):
         ({"threshold_w_m2_sr": []}, "likelihood.threshold_w_m2_sr"),
         ({"quantity": "detection"}, "detection_curve"),
         ({"samples": 10}, "256"),
+        ({"hours_utc": [24, 0]}, "hours_utc is empty"),
+        ({"hours_utc": [22, 25]}, "hours_utc"),
     ],
 )
 def test_mistakes_are_told(wanted, told):

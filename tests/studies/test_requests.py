@@ -31,7 +31,7 @@ FUNCTIONS: list[tuple[Callable[..., Any], type, set[str]]] = [
     (evaluate_mean, BandsRequest, {"bands", "extrapolate"}),
     (evaluate_scattered, BandsRequest, {"bands", "extrapolate"}),
     (likelihood_map, LikelihoodRequest, {"step"}),
-    (along_track, LikelihoodRequest, {"track"}),
+    (along_track, LikelihoodRequest, {"track", "forecast", "wind_spread", "cover_spread"}),
     (best_looks, LikelihoodRequest, {"date"}),
 ]
 

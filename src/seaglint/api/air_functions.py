@@ -7,7 +7,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from seaglint.api.inputs_and_results import ResultRecord, scenario_of
+from seaglint.api.inputs_and_results import ResultRecord, paths_of, scenario_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -292,7 +292,7 @@ def read(files: str | Path | Sequence[str | Path], output: str | Path | None = N
     """
     from seaglint.formats.modtran.modtran_air import read_air
 
-    paths = [Path(files)] if isinstance(files, str | Path) else [Path(file) for file in files]
+    paths = paths_of(files, "files")
     return _written(lambda: read_air(paths), output, overwrite, [path for path in paths if path.is_file()])
 
 

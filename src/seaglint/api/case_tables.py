@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from seaglint.base.errors import DataError
 from seaglint.base.parameters import documented
 from seaglint.studies.study_requests import AirRequest, BandsRequest, EvaluationRequest
 
@@ -222,8 +223,12 @@ def _bands(bands: Sequence[str | tuple[float, float]]) -> Any:
     """Return bands of texts such as ``3.0-5.0`` or of pairs of wavelengths [um]."""
     from seaglint.studies.mean.evaluate_cases import parse_bands
 
-    given = [bands] if isinstance(bands, str) else bands
-    return parse_bands([band if isinstance(band, str) else f"{band[0]:g}-{band[1]:g}" for band in given])
+    try:
+        given = [bands] if isinstance(bands, str) else bands
+        texts = [band if isinstance(band, str) else f"{band[0]:g}-{band[1]:g}" for band in given]
+    except (TypeError, ValueError, IndexError):
+        raise DataError(f"bands = {bands} are no bands; give a list of texts such as '3-5' or of pairs of wavelengths [um]") from None
+    return parse_bands(texts)
 
 
 def _evaluated(
@@ -241,6 +246,8 @@ def _evaluated(
     if isinstance(given, str | Path):
         cases = read_cases(given)
     else:
+        if not isinstance(given, Mapping) and not hasattr(given, "columns"):
+            raise DataError(f"cases are of type {type(given).__name__}; give a CSV file, a mapping of columns, a DataFrame or a Dataset")
         columns: Any = given
         names = columns.data_vars if isinstance(columns, xr.Dataset) else columns
         cases = cases_of_columns({str(name): columns[name] for name in names})

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
     from seaglint.cluster import Workers
     from seaglint.formats.recording import RawLayout
-    from seaglint.scenario.model import Scenario
     from seaglint.studies.detect.study import Study
     from seaglint.studies.detect.varied_cases import StudyCase
 
@@ -127,7 +126,7 @@ def detect_recording(
 
 @documented(RecordingRequest, DesignRequest)
 def detect(
-    source: Scenario | xr.Dataset | xr.DataArray | NDArray[Any] | str | Path | Recording,
+    source: SceneInput | xr.Dataset | xr.DataArray | NDArray[Any] | Recording,
     contrast: float | Sequence[float] | None = None,
     *,
     detector: str | None = None,
@@ -185,10 +184,13 @@ def detect(
     >>> [entry["p_d"] > 0.9 for entry in found["sweep"]]
     [False, True]
     """
+    import xarray as xr
+
     from seaglint.scenario.model import Scenario
 
     function: Callable[..., ResultRecord] = detect_recording
-    if isinstance(source, Scenario) or (isinstance(source, str | Path) and Path(source).suffix.lower() == ".toml"):
+    is_file = isinstance(source, str | Path) and Path(source).suffix.lower() == ".toml"
+    if is_file or isinstance(source, Scenario) or (isinstance(source, Mapping) and not isinstance(source, xr.Dataset)):
         function = detect_design if design or p_fa is not None else detect_scene
     # Parameters that the other function has, by its signature.
     return function(**arguments_of(function, locals()))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from seaglint.api.inputs_and_results import arguments_of, scenario_of
+from seaglint.api.inputs_and_results import arguments_of, path_of, scenario_of
 from seaglint.base.parameters import documented
 from seaglint.studies.study_requests import ExportRequest
 
@@ -169,8 +169,9 @@ def labels(run: str | Path, output: str | Path | None = None, *, overwrite: bool
     from seaglint.formats.object_labels import Labels, label_dataset, report_never_seen, require_labels_name, write_labels
     from seaglint.store.outputs import refuse_existing
 
+    run = path_of(run, "run")
     if output is not None:
-        refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[Path(run)])
+        refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[run])
     truth = Labels.of(run)
     report_never_seen(truth)
     if output is not None:

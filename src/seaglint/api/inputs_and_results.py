@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import inspect
 import reprlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
-from seaglint.base.errors import DataError
+from seaglint.base.errors import DataError, ScenarioError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,19 +39,81 @@ def scenario_of(given: SceneInput, sensor: str | None = None) -> Scenario:
     Raises
     ------
     ScenarioError
-        A file or tables with mistakes, or an unknown ``sensor``, the name of a data sheet that replaces the scenario's sensor.
+        A file or tables with mistakes, an object of another type, or an unknown ``sensor``, the name of a data sheet that replaces the
+        scenario's sensor.
     """
     from seaglint.scenario.load import load_scenario, parse_scenario
     from seaglint.scenario.model import Scenario
     from seaglint.scenario.presets import with_sensor
     from seaglint.scenario.text.toml_writing import stated
 
+    given = scene_input(given)
     if isinstance(given, str | Path):
         return load_scenario(given, sensor=sensor)
     if isinstance(given, Scenario) and sensor is None:
         return given
     tables = stated(given) if isinstance(given, Scenario) else dict(given)
     return parse_scenario(tables if sensor is None else with_sensor(tables, sensor))
+
+
+def scene_input(given: SceneInput) -> SceneInput:
+    """Return a scenario, its file or its tables, with NumPy's numbers in tables as plain ones; refuse objects of other types.
+
+    Raises
+    ------
+    ScenarioError
+        Any other object.
+    """
+    from seaglint.scenario.model import Scenario
+
+    if isinstance(given, Scenario | str | Path):
+        return given
+    if isinstance(given, Mapping):
+        tables: dict[str, Any] = _plain(given)
+        return tables
+    raise ScenarioError(f"scenario = {_described(given)}; give the path of a TOML file, its tables in a mapping, or what sg.load returns")
+
+
+def _plain(value: Any) -> Any:
+    """Return tables and lists with NumPy's numbers and arrays as Python's."""
+    import numpy as np
+
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+
+
+def path_of(given: str | Path, name: str) -> Path:
+    """Return the path that a parameter holds.
+
+    Raises
+    ------
+    DataError
+        An object of another type.
+    """
+    if isinstance(given, str | Path):
+        return Path(given)
+    raise DataError(f"{name} = {_described(given)}; give a path")
+
+
+def paths_of(given: str | Path | Sequence[str | Path], name: str) -> list[Path]:
+    """Return the paths that a parameter holds, one or more.
+
+    Raises
+    ------
+    DataError
+        An object of another type.
+    """
+    if isinstance(given, str | bytes | Path | Mapping) or not isinstance(given, Iterable):
+        return [path_of(given, name)]
+    return [path_of(one, f"{name}[{place}]") for place, one in enumerate(given)]
+
+
+def _described(given: object) -> str:
+    """Return an object in a few words of one line, with its type."""
+    return f"{' '.join(reprlib.repr(given).split())[:60]} is of type {type(given).__name__}"
 
 
 def team_of(workers: int | Workers | None, threads: int | None = None) -> AbstractContextManager[Workers | None]:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from seaglint.api.inputs_and_results import ResultRecord, arguments_of, scenario_of, team_of, with_band
+from seaglint.api.inputs_and_results import ResultRecord, arguments_of, path_of, scenario_of, scene_input, team_of, with_band
 from seaglint.base.parameters import documented
 from seaglint.studies.study_requests import MOST_CASES, LikelihoodRequest, MeanRequest, SweepRequest
 
@@ -66,7 +66,7 @@ def init(output: str | Path, preset: str = "glint", *, camera: str | Path | None
     from seaglint.scenario.text.template import write_template
     from seaglint.store.outputs import refuse_existing, require_ending
 
-    path = Path(output)
+    path = path_of(output, "output")
     require_ending(path, (".toml",), "a scenario is a TOML file")
     refuse_existing(path, overwrite=overwrite)
     chosen = None if camera is None else read_camera(str(camera))
@@ -129,7 +129,7 @@ def info(path: str | Path, *, variable: str | None = None, channel: str | None =
     from seaglint.studies.file_contents import describe, describe_recording, describe_scenario, is_ours
 
     # A URL must not become a Path, which would shorten its two slashes to one.
-    place = path if isinstance(path, str) and "://" in path else Path(path)
+    place = path if isinstance(path, str) and "://" in path else path_of(path, "path")
     if is_ours(place):
         values: Mapping[str, Any] = describe(place).as_dict()
         return ResultRecord(values, draw=lambda: _picture(place), title=str(path))
@@ -149,13 +149,13 @@ def _picture(place: str | Path) -> Figure:
         return draw(dataset)
 
 
-def load(source: str | Path | Mapping[str, Any]) -> Scenario:
+def load(source: SceneInput) -> Scenario:
     """Read and check a scenario.
 
     Parameters
     ----------
-    source : path or mapping
-        A TOML file, or its content as tables in a mapping.
+    source : path, mapping or Scenario
+        A TOML file, or its content as tables in a mapping; a scenario is returned unchanged.
 
     Returns
     -------
@@ -173,9 +173,7 @@ def load(source: str | Path | Mapping[str, Any]) -> Scenario:
     >>> round(sg.load({"sensor": {"height_m": "100 ft"}}).sensor.height_m, 2)
     30.48
     """
-    from seaglint.scenario.load import load_scenario, parse_scenario
-
-    return parse_scenario(source) if isinstance(source, Mapping) else load_scenario(source)
+    return scenario_of(source)
 
 
 @documented(MeanRequest)
@@ -310,7 +308,7 @@ def sweep(
     with team_of(workers, threads) as others:
         # Workers limit their threads themselves; the limit of this process would not reach them.
         own_threads = threads if workers is None else None
-        return computed(**arguments_of(computed, locals(), source=scenario, workers=others, threads=own_threads))
+        return computed(**arguments_of(computed, locals(), source=scene_input(scenario), workers=others, threads=own_threads))
 
 
 @documented(LikelihoodRequest)
@@ -320,6 +318,9 @@ def likelihood(
     by_month: bool = False,
     step: float | None = None,
     track: str | Path | None = None,
+    forecast: str | Path | None = None,
+    wind_spread: float = 0.0,
+    cover_spread: float = 0.0,
     best: bool = False,
     date: str | None = None,
     workers: int | Workers | None = None,
@@ -341,8 +342,9 @@ def likelihood(
     -------
     ResultRecord or xarray.Dataset
         Chances of the thresholds with their intervals and causes, ``plot()`` draws them; with ``by_month`` a map, ``probability`` [1] over
-        ``threshold, month, latitude, longitude``; with ``track`` the chance of each threshold [1] over ``time`` along the way; with
-        ``best`` the ``probability`` of each threshold, hour, depression and bearing, and of them ``best``, ``worst`` and ``best_by_hour``.
+        ``threshold, month, latitude, longitude``; with ``track`` the chance of each threshold [1] over ``time`` along the way, and with
+        ``forecast`` beside it ``forecast_probability`` and the weather of the forecast; with ``best`` the ``probability`` of each
+        threshold, hour, depression and bearing, and of them ``best``, ``worst`` and ``best_by_hour``.
 
     Raises
     ------
@@ -357,17 +359,20 @@ def likelihood(
     >>> 0.0 <= chances["results"][0]["probability"] <= 1.0
     True
     """
-    request = LikelihoodRequest(by_month=by_month, step=step, track=None if track is None else Path(track), best=best, date=date)
+    way, ahead = (None if path is None else Path(path) for path in (track, forecast))
+    LikelihoodRequest(
+        by_month=by_month, step=step, track=way, forecast=ahead, wind_spread=wind_spread, cover_spread=cover_spread, best=best, date=date
+    )
     loaded = scenario_of(scenario)
     if by_month:
         from seaglint.studies.likelihood.chance_map import likelihood_map
 
         with team_of(workers) as team:
             return likelihood_map(loaded, step=step, progress=progress, workers=team)
-    if request.track is not None:
+    if way is not None:
         from seaglint.studies.likelihood.ship_track import along_track
 
-        return along_track(loaded, request.track).dataset()
+        return along_track(loaded, way, forecast=ahead, wind_spread=wind_spread, cover_spread=cover_spread).dataset()
     if best:
         return _best_looks(loaded, date, progress)
     from seaglint.studies.likelihood.glint_chance import likelihood as computed

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from seaglint.api.inputs_and_results import ResultRecord, arguments_of, recording_of, request_of, scenario_of, team_of, with_band
+from seaglint.api.inputs_and_results import ResultRecord, arguments_of, path_of, recording_of, request_of, scenario_of, team_of, with_band
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import TableRow
 from seaglint.base.parameters import documented
@@ -340,7 +340,7 @@ def ensemble(
     from seaglint.scenario.ensemble_file import load_ensemble, parse_ensemble
     from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
 
-    resolved = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(source)
+    resolved = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(path_of(source, "source"))
     with team_of(workers, threads) as others:
         render_ensemble(**arguments_of(render_ensemble, locals(), ensemble=resolved, workers=others))
     return [scene.row for scene in draw(resolved)]
@@ -406,14 +406,15 @@ def dataset(
     from seaglint.formats.dataset.dataset_writing import problems
     from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source
 
+    given = path_of(source, "source")
     if check:
-        faults = list(problems(Path(source)))
+        faults = list(problems(given))
         if faults:
-            raise DataError("\n".join(f"{source}: {fault}" for fault in faults))
-        return Path(source)
+            raise DataError("\n".join(f"{given}: {fault}" for fault in faults))
+        return given
     if output is None:
         raise DataError("output is missing: the folder of the data set; give one, or check=True for a data set that is there")
-    resolved, options = read_source(Path(source)), DatasetRequest(format=format, bits=bits, image=image).options()
+    resolved, options = read_source(given), DatasetRequest(format=format, bits=bits, image=image).options()
     with team_of(workers, threads) as others:
         ensemble_dataset(resolved, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
     return Path(output)

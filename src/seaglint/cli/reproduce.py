@@ -71,7 +71,9 @@ def fig4(output: Folder = Path(), overwrite: Overwrite = False, show: ProgressOp
 def fig5(
     output: Folder = Path(),
     overwrite: Overwrite = False,
-    weather: Annotated[Path | None, typer.Option("--weather", help="weather table instead of the packaged North Atlantic")] = None,
+    weather: Annotated[
+        Path | None, typer.Option("--weather", help="weather table, or north-atlantic, instead of the climatology of the world's seas")
+    ] = None,
     spectral: Annotated[bool, typer.Option("--spectral", help="radiance per wavenumber, not the article's way")] = False,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:

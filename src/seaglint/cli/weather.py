@@ -19,7 +19,9 @@ weather = typer.Typer(help="Tables of weather: how often which conditions come."
 def build(
     sources: Annotated[
         list[Path],
-        typer.Argument(metavar="SOURCES...", help="ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, weather tables, CSV with --map; or world"),
+        typer.Argument(
+            metavar="SOURCES...", help="ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, weather tables, CSV with --map; or world"
+        ),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="table to write: .csv, or .parquet where PyArrow is installed")],
     box: Annotated[str | None, typer.Option("--box", metavar="W,S,E,N", help="places inside [deg]; west beyond east crosses 180")] = None,
@@ -38,7 +40,9 @@ def build(
         list[str] | None, typer.Option("--fill", metavar="NAME=VALUE", help="value where one is missing, e.g. cloud_cover=0.6; repeat")
     ] = None,
     utc: Annotated[bool, typer.Option("--utc", help="times of CSV files without a zone are UTC")] = False,
-    place: Annotated[str | None, typer.Option("--place", metavar="LAT,LON", help="place of a source that has none, or of rows of world [deg]")] = None,
+    place: Annotated[
+        str | None, typer.Option("--place", metavar="LAT,LON", help="place of a source that has none, or of rows of world [deg]")
+    ] = None,
     anemometer: Annotated[
         float | None, typer.Option("--anemometer-height", help="of NDBC buoys [m]; winds are brought from there to 10 m")
     ] = None,
@@ -107,11 +111,14 @@ def _number(value: float | None) -> str:
 
 def lines(facts: WeatherFacts) -> list[str]:
     """Return the facts of a weather table as lines of text."""
+    from seaglint.climate.weather_table import stand_ins_told
+
     out = [f"{facts.path}: {facts.rows} rows, effectively {facts.effective_rows:.0f}, weights sum to {facts.weight_sum:.6g}"]
     out.append(f"  covers {facts.covers}")
     if facts.regions:
         out.append(f"  regions {', '.join(facts.regions)}")
-    out += [f"  no rows in {month}: draws in that month use {used}" for month, used in facts.missing_months.items()]
+    if facts.missing_months:
+        out.append(f"  {stand_ins_told(facts.missing_months)}")
     out.append(f"  {'column':22} {'mean':>9} {'min':>9} {'max':>9} {'missing %':>10}")
     for name, column in facts.columns.items():
         numbers = " ".join(f"{_number(value):>9}" for value in (column.mean, column.min, column.max))

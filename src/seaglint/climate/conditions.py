@@ -97,7 +97,7 @@ def hours_of_light(uniform: FloatArray, noon: FloatArray, half: FloatArray, hour
     noon, half : ndarray
         From :func:`arc` [(n,)].
     hours : (float, float)
-        First and last hour that count, UTC, ascending.
+        First and last hour that count, UTC, ascending; the last may be above 24, as in 22 to 28, which goes through midnight.
 
     Returns
     -------
@@ -289,12 +289,19 @@ class Times:
 
     year: int  #: Calendar year, UTC.
     months: tuple[int, ...] = ()  #: Months that count; all where empty.
-    hours: tuple[float, float] = (0.0, 24.0)  #: Hours of the day that count, UTC.
+    hours: tuple[float, float] = (0.0, 24.0)  #: Hours of the day that count, UTC; 22 and 4 go through midnight.
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Hours that count, ascending: 22 to 28 where they go through midnight."""
+        low, high = self.hours
+        return low, high if low < high else high + 24.0
 
     def draw(self, day: FloatArray, hour: FloatArray) -> FloatArray:
         """Times at uniform numbers for the day and the hour [s since 1970-01-01 UTC]."""
-        low, high = self.hours
-        return np.asarray(self.day(day) + 3600.0 * (low + (high - low) * hour))
+        low, high = self.span
+        # The hours after midnight are those of the same day: days and months stay as drawn.
+        return np.asarray(self.day(day) + 3600.0 * ((low + (high - low) * hour) % 24.0))
 
     def day(self, uniform: FloatArray) -> FloatArray:
         """Beginnings of days at uniform numbers [s since 1970-01-01 UTC]."""
@@ -419,8 +426,8 @@ def times_and_places(
         time = np.full(count, when)
     elif by_daylight:
         day = when.day(uniform["day"])
-        hours = hours_of_light(uniform["hour"], *arc(day, place[0], place[1]), when.hours)
-        time, weight = day + 3600.0 * hours.hour, hours.weight
+        hours = hours_of_light(uniform["hour"], *arc(day, place[0], place[1]), when.span)
+        time, weight = day + 3600.0 * (hours.hour % 24.0), hours.weight
     else:
         time = when.draw(uniform["day"], uniform["hour"])
     return Conditions(np.zeros(count, dtype=np.int64), time, place[0], place[1], weight)
@@ -497,11 +504,11 @@ def _of_rows(table: WeatherTable, uniform: Mapping[str, FloatArray], when: Times
             raise DomainError(f"place_from_weather = true needs {name} in every row of the weather table; give a region or [place] instead")
     month, hour = table["month"], table["hour_utc"]
     selected = np.isnan(month) | np.isin(month, when.months or tuple(range(1, 13)))
-    low, high = when.hours
-    selected &= np.isnan(hour) | ((hour % 24.0 >= low) & (hour % 24.0 <= high))
+    low, high = when.span
+    selected &= np.isnan(hour) | ((hour - low) % 24.0 <= high - low)
     if not np.any(selected & (table["weight"] > 0.0)):
         names = ", ".join(MONTHS[m - 1] for m in when.months) or "all months"
-        raise DomainError(f"no row of the weather table is of {names} between {low:g} and {high:g} h UTC; choose others")
+        raise DomainError(f"no row of the weather table is of {names} between {low:g} and {when.hours[1]:g} h UTC; choose others")
     matches = np.flatnonzero(selected)
     rows = matches[draw_pairs(table.take(matches), uniform["row"], uniform["cover"])]
     time = when.draw(uniform["day"], uniform["hour"])

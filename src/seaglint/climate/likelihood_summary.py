@@ -76,6 +76,7 @@ class LikelihoodSummary:
     samples: int  #: Number of draws.
     scramblings: int  #: Number of independent sets of draws.
     azimuths: str  #: Treatment of the azimuth of looks.
+    sampling: str  #: ``even``, or ``towards glint`` where draws are concentrated and weighted.
     confidence: float  #: Level of the intervals [1].
     clouds: str  #: Law of the Sun behind clouds.
     weather: DrawnWeather  #: Table of weather.

@@ -96,7 +96,7 @@ def cloud_shares(mean: ArrayLike) -> FloatArray:
     """Share of each of the nine oktas about a mean cover [(..., 9)], clear first; their mean is ``mean``.
 
     >>> cloud_shares(0.7).round(2).tolist()
-    [0.02, 0.06, 0.06, 0.07, 0.08, 0.1, 0.13, 0.18, 0.29]
+    [0.02, 0.05, 0.06, 0.07, 0.09, 0.1, 0.13, 0.19, 0.28]
     """
     n = np.asarray(mean, dtype=np.float64)
     return np.diff(_cumulative(n), axis=-1)
@@ -133,7 +133,7 @@ def cloud_at(uniform: ArrayLike, mean: ArrayLike) -> FloatArray:
     """Cloud cover at uniform numbers, clear first [1, in eighths].
 
     >>> cloud_at([0.01, 0.5, 0.99], 0.7).tolist()
-    [0.0, 0.875, 1.0]
+    [0.0, 0.75, 1.0]
     """
     u, n = np.broadcast_arrays(np.asarray(uniform, dtype=np.float64), np.asarray(mean, dtype=np.float64))
     i, f = _place(n)

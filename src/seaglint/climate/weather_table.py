@@ -207,6 +207,12 @@ class WeatherTable:
         """Months without rows, for which :meth:`draw_in_month` uses a neighbour; empty where the table has no months."""
         return tuple(m for m, used in self.month_used.items() if m != used)
 
+    @property
+    def stand_ins(self) -> dict[str, str]:
+        """Names of the months without rows, each with the month whose rows serve in its place."""
+        used = self.month_used
+        return {MONTHS[m - 1]: MONTHS[used[m] - 1] for m in self.missing_months}
+
     def draw_in_month(self, uniform: FloatArray, month: NDArray[np.integer]) -> IntArray:
         """Draw rows at uniform numbers, each from the rows of its month.
 
@@ -251,6 +257,24 @@ def month_used(month: FloatArray, weight: FloatArray) -> dict[int, int]:
         return {}
     # The nearest month with rows; of two that are equally near, the earlier one.
     return {m: min(with_rows, key=lambda t: (min((t - m) % 12, (m - t) % 12), (m - t) % 12)) for m in range(1, 13)}
+
+
+def stand_ins_told(stand_ins: Mapping[str, str]) -> str:
+    """Return :attr:`WeatherTable.stand_ins` in one clause; empty where no month is missing.
+
+    Examples
+    --------
+    >>> stand_ins_told({"May": "June", "July": "June", "December": "November"})
+    'no rows in May, July (June serves), December (November serves)'
+    >>> stand_ins_told(dict.fromkeys(MONTHS[1:], "January"))
+    'rows in January only: they serve all the year'
+    """
+    if len(stand_ins) == len(MONTHS) - 1:
+        return f"rows in {next(iter(stand_ins.values()))} only: they serve all the year"
+    served: dict[str, list[str]] = {}
+    for month, by in stand_ins.items():
+        served.setdefault(by, []).append(month)
+    return "no rows in " + ", ".join(f"{', '.join(months)} ({by} serves)" for by, months in served.items()) if served else ""
 
 
 def _inverse(weight: FloatArray, uniform: FloatArray) -> IntArray:

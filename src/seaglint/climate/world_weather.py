@@ -5,7 +5,8 @@ specific humidity and pressure. They are interpolated linearly between the middl
 land or ice, do not count: next to them the sea's cells alone are interpolated. Months without data of a cell that has others are
 interpolated between these.
 
-A place is at sea where its own cell has data.
+A place is at sea where cells with data have half of the weight of the interpolation between middles. A single place up to ``NEAR_M`` from
+the nearest such cell has the weather of that cell: cells are larger than bights and straits.
 
 References
 ----------
@@ -15,7 +16,7 @@ Research Institute, report 29, Oregon State University (1981).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -34,6 +35,8 @@ from seaglint.climate.weather_laws import class_means, cloud_at, joined, joint_s
 from seaglint.climate.weather_table import MONTHS, WeatherTable
 
 NAME: Final = "world"  #: Name of the climatology in the package.
+
+NEAR_M: Final = 400e3  #: Distance of the nearest cell with data up to which it serves a place without [m].
 
 FEW: Final = 10  #: Number of wind observations below which a cell's month is reported.
 
@@ -115,10 +118,22 @@ class WorldWeather:
         return row, column
 
     def at_sea(self, latitude: ArrayLike, longitude: ArrayLike) -> NDArray[np.bool_]:
-        """True for places [deg] whose own cell has data."""
-        row, column = self.cell_of(latitude, longitude)
-        inside = (row >= 0) & (row < _SHAPE[0])
-        return np.asarray(inside & self.sea[np.clip(row, 0, _SHAPE[0] - 1), column])
+        """True for places [deg] where cells with data have half of the weight."""
+        north, east = np.broadcast_arrays(np.asarray(latitude, dtype=np.float64), np.asarray(longitude, dtype=np.float64))
+        weight = sum(share for _, _, share in self._corners(north, east))
+        beyond = np.abs(north - 0.5 * (self.latitude[0] + self.latitude[-1])) > 0.5 * CELL[0] * _SHAPE[0]
+        return np.asarray((weight >= 0.5 - 1e-9) & ~beyond)
+
+    def _corners(self, latitude: FloatArray, longitude: FloatArray) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]]:
+        """Rows and columns of the four cells about places, and their weights; 0 for those without data."""
+        y = np.clip((latitude - _FIRST[0]) / CELL[0], 0.0, _SHAPE[0] - 1.0)
+        x = ((longitude - _FIRST[1]) / CELL[1]) % _SHAPE[1]
+        i, j = np.minimum(y.astype(np.intp), _SHAPE[0] - 2), x.astype(np.intp) % _SHAPE[1]
+        g, h = y - i, x - np.floor(x)
+        for a in range(2):
+            for b in range(2):
+                row, column = i + a, (j + b) % _SHAPE[1]
+                yield row, column, (g if a else 1.0 - g) * (h if b else 1.0 - h) * self.sea[row, column]
 
     def nearest_sea(self, latitude: float, longitude: float) -> tuple[float, float, float]:
         """Return the middle of the cell with data that is nearest to a place [deg, deg], and its distance [m]."""
@@ -131,22 +146,29 @@ class WorldWeather:
         distance = 2.0 * EARTH_RADIUS * float(np.arcsin(np.sqrt(min(square[k], 1.0))))
         return float(self.latitude[rows[k]]), float(self.longitude[columns[k]]), distance
 
-    def require_sea(self, latitude: float, longitude: float, name: str = "place") -> None:
-        """Refuse a place whose own cell has no data.
+    def sea_at(self, latitude: float, longitude: float, name: str = "place") -> tuple[float, float, str | None]:
+        """Return the place [deg, deg] whose weather serves a place, and a note where it is another one.
 
         Raises
         ------
         DomainError
-            Naming the nearest place at sea.
+            A place farther than ``NEAR_M`` from the sea; the nearest is named.
         """
-        if not bool(self.at_sea(latitude, longitude)):
-            north, east, distance = self.nearest_sea(latitude, longitude)
-            raise DomainError(
-                f"{name} = [{latitude:g}, {longitude:g}] is on land, in ice or in a sea without data (as the Mediterranean); the "
-                f"nearest sea of the climatology is [{north:g}, {east:g}], {1e-3 * distance:.0f} km away",
-                name=name,
-                value=(latitude, longitude),
+        if bool(self.at_sea(latitude, longitude)):
+            return latitude, longitude, None
+        north, east, distance = self.nearest_sea(latitude, longitude)
+        if distance <= NEAR_M:
+            note = (
+                f"no observations at {name} = [{latitude:g}, {longitude:g}]: the weather is that of the nearest sea of the climatology, at "
+                f"[{north:g}, {east:g}], {1e-3 * distance:.0f} km away"
             )
+            return north, east, note
+        raise DomainError(
+            f"{name} = [{latitude:g}, {longitude:g}] is on land, in ice or in a sea without data (as the Mediterranean); the "
+            f"nearest sea of the climatology is [{north:g}, {east:g}], {1e-3 * distance:.0f} km away",
+            name=name,
+            value=(latitude, longitude),
+        )
 
     def at(self, time_of_year: ArrayLike, latitude: ArrayLike, longitude: ArrayLike) -> MeanConditions:
         """Means at times of the year and places, linear between the middles of months and of cells with data.
@@ -165,19 +187,12 @@ class WorldWeather:
         """
         time, north, east = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (time_of_year, latitude, longitude)))
         month = (time - 0.5) % 12.0
-        y = np.clip((north - _FIRST[0]) / CELL[0], 0.0, _SHAPE[0] - 1.0)
-        x = ((east - _FIRST[1]) / CELL[1]) % _SHAPE[1]
-        m, i, j = month.astype(np.intp) % 12, np.minimum(y.astype(np.intp), _SHAPE[0] - 2), x.astype(np.intp) % _SHAPE[1]
-        f, g, h = month - np.floor(month), y - i, x - np.floor(x)
+        m, f = month.astype(np.intp) % 12, (month - np.floor(month))[..., None]
         total = np.zeros((*time.shape, len(_COLUMNS)))
         weight = np.zeros(time.shape)
-        for a in range(2):
-            for b in range(2):
-                row, column = i + a, (j + b) % _SHAPE[1]
-                share = (g if a else 1.0 - g) * (h if b else 1.0 - h) * self.sea[row, column]
-                weight += share
-                now, then = self.means[m, row, column], self.means[(m + 1) % 12, row, column]
-                total += share[..., None] * ((1.0 - f)[..., None] * now + f[..., None] * then)
+        for row, column, share in self._corners(north, east):
+            weight += share
+            total += share[..., None] * ((1.0 - f) * self.means[m, row, column] + f * self.means[(m + 1) % 12, row, column])
         with np.errstate(invalid="ignore"):
             total /= weight[..., None]
         return MeanConditions(*np.moveaxis(total, -1, 0))

@@ -13,7 +13,8 @@ from pydantic_core import ErrorDetails
 
 from seaglint.base.errors import Mistake, ScenarioError
 from seaglint.base.free_form import TomlTables
-from seaglint.scenario.load import parse_scenario, report_moments
+from seaglint.scenario.keys import list_length
+from seaglint.scenario.load import counts_elements, parse_scenario, report_moments, values_text
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import PRESETS, with_sensor
 from seaglint.scenario.records.ensemble_tables import Choice, Dataset, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
@@ -183,7 +184,7 @@ def parse_ensemble(raw: Mapping[str, Any], *, name: str = "ensemble", folder: Pa
         # The base is validated as a scenario below; here it would be free-form tables.
         ensemble = Ensemble.model_validate({**raw, "base": {}}, context={"base": folder})
     except ValidationError as error:
-        lines = dict.fromkeys(_described(detail) for detail in error.errors(include_url=False))
+        lines = dict.fromkeys(_described(detail) for detail in error.errors(include_url=False) if not counts_elements(detail))
         mistakes = tuple(Mistake(key, value, None, text) for key, value, text in lines)
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
     ensemble = ensemble.model_copy(update={"base": _base(raw.get("base", {}), ensemble.ensemble.sensor, name, folder)})
@@ -271,6 +272,10 @@ def _described(error: ErrorDetails) -> tuple[str, Any, str]:
         keys = _keys_at(error["loc"])
         near = difflib.get_close_matches(str(location[-1]), keys, n=1, cutoff=0.6)
         return key, None, f"{key} is an unknown key; " + (f"did you mean {near[0]}?" if near else f"allowed here: {', '.join(keys)}")
+    if kind == "too_long" or (kind == "missing" and isinstance(location[-1], int)):
+        # Of the list of fixed length that there is, a value is missing or too many.
+        key, length = key.partition("[")[0], list_length(Dataset.model_fields["split"].annotation)
+        return key, None, f"{key} = {given} has {values_text(len(given))} and must have {length}"
     if kind == "missing":
         missing = "a table [ensemble] with the number of scenes, e.g. scenes = 100" if key == "ensemble" else "it to the file"
         return key, None, f"{key} is missing; add {missing}"
@@ -283,6 +288,10 @@ def _described(error: ErrorDetails) -> tuple[str, Any, str]:
     if kind == "union_tag_not_found":
         return f"{key}.law", None, f"{key}.law is missing; add one of {', '.join(_TAGS)}"
     shown = f"'{given}'" if isinstance(given, str) else f"{given}"
+    if kind == "tuple_type":
+        return key, None, f"{key} = {shown} must be a list in brackets"
+    if kind == "too_short":
+        return key, None, f"{key} = {shown} is empty; give {context['min_length']} or more"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return key, None, f"{key} = {shown} must be a table"
     text = error["msg"] if kind in ("quantity", "missing_file") else f"is not allowed: {error['msg']}"

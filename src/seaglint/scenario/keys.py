@@ -68,6 +68,16 @@ def is_list(annotation: Any) -> bool:
     return any(get_origin(kind) is tuple and get_args(kind)[-1] is Ellipsis for kind in (annotation, *get_args(annotation)))
 
 
+def list_length(annotation: Any) -> int | None:
+    """Return the number of values of a list of fixed length; None for lists of any length and for keys that are no list.
+
+    >>> list_length(tuple[float, float] | None), list_length(tuple[int, ...]), list_length(float)
+    (2, None, None)
+    """
+    kinds = (kind for kind in (annotation, *get_args(annotation)) if get_origin(kind) is tuple)
+    return next((len(get_args(kind)) for kind in kinds if get_args(kind)[-1] is not Ellipsis), None)
+
+
 def fields_of(record: type[BaseModel], above: tuple[str, ...] = ()) -> Iterator[Key]:
     """Yield the keys of one record, without the keys of inner tables."""
     for name, info in record.model_fields.items():
@@ -91,10 +101,17 @@ def table_keys(location: tuple[str | int, ...]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for record in _at(tuple(str(part) for part in location)) for name in record.model_fields))
 
 
-def key_at(location: tuple[str | int, ...]) -> Key | None:
-    """Return the key at a location, or the list that holds it; None where no such key exists."""
+def key_at(location: tuple[str | int, ...], kind: str | None = None) -> Key | None:
+    """Return the key at a location, or the list that holds it; None where no such key exists.
+
+    A table of several kinds has the key of the given ``kind``, otherwise of the first kind that has one.
+    """
     *above, name = (str(part) for part in location if isinstance(part, str))
-    return next((key for record in _at(tuple(above)) for key in fields_of(record, tuple(above)) if key.path[-1] == name), None)
+    records = _at(tuple(above))
+    if len(records) > 1 and kind is not None:
+        tag = tag_name(tuple(above))
+        records = tuple(sorted(records, key=lambda record: record.model_fields[tag].default != kind))
+    return next((key for record in records for key in fields_of(record, tuple(above)) if key.path[-1] == name), None)
 
 
 def named_key(dotted: str) -> Key | None:

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from seaglint.base.errors import Mistake, ScenarioError
-from seaglint.scenario.keys import choices_at, is_list, key_at, key_paths, kinds_with, table_keys, tag_name, tags
+from seaglint.scenario.keys import Key, choices_at, is_list, key_at, key_paths, kinds_with, list_length, table_keys, tag_name, tags
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import with_sensor
 from seaglint.scenario.records.object_tables import with_names
@@ -92,15 +92,25 @@ def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path
     try:
         return Scenario.model_validate(dict(raw), context={"base": base})
     except ValidationError as error:
-        explained = (_named(_explain(detail, raw), detail["loc"], raw) for detail in error.errors(include_url=False))
+        details = [detail for detail in error.errors(include_url=False) if not counts_elements(detail)]
+        explained = (_named(_explain(detail, raw), detail["loc"], raw) for detail in details)
         # A union reports a mistake once per kind; equal lines are printed once.
         mistakes = tuple({mistake.text: mistake for mistake in explained}.values())
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
 
 
+def counts_elements(error: ErrorDetails) -> bool:
+    """Return true where a list is called too short only because its wrong elements, which have lines themselves, do not count."""
+    least = error.get("ctx", {}).get("min_length")
+    return error["type"] == "too_short" and isinstance(error["input"], list | tuple) and len(error["input"]) >= (least or 0)
+
+
 def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
     """Describe one mistake in one line."""
     location = _without_tags(error["loc"], raw)
+    if error["type"] == "missing" and isinstance(location[-1], int):
+        location = location[:-1]  # a value of a list of fixed length; the input is the list
+        return Mistake(_dotted(location), error["input"], None, _sentence(error, location))
     key, kind, context, given = _dotted(location), error["type"], error.get("ctx", {}), error["input"]
     if kind == "rule":
         meant = _meant_in(context["key"], context["allowed"], raw)
@@ -151,19 +161,19 @@ def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
     key, kind, value = _dotted(location), error["type"], _shown(error["input"])
     if kind == "extra_forbidden":
         return _unknown_key(location)
+    # The last text of pydantic's location but the key is the kind of the table, if it has several.
+    table = next((str(part) for part in reversed(error["loc"]) if isinstance(part, str) and part not in location), None)
+    known = key_at(location, table) if kind in ("missing", "too_short", "too_long", "tuple_type") else None
+    if known is not None and (kind != "missing" or isinstance(error["input"], list | tuple)):
+        return f"{key} = {value} {_list_mistake(known, error)}"
     if kind == "missing":
         return f"{key} is missing; add it to the file"
     if kind in ("quantity", "missing_file"):
         return f"{key} = {value} {error['msg']}"
-    if kind in ("too_short", "too_long", "tuple_type"):
-        known = key_at(location)
-        if known is not None and is_list(known.info.annotation):
-            names = choices_at(location)
-            return f"{key} = {value} must be a list in brackets" + (f"; allowed in it: {_listed(names)}" if names else "")
-        return f"{key} = {value} must be a pair of numbers [width, height]"
     if kind in ("model_type", "model_attributes_type", "dict_type") or kind.startswith("union_tag"):
         keys = ", ".join(table_keys(location)) or "none"
-        return f"{key} = {value} must be a table [{key}]; allowed keys: {keys}"
+        header = f"[[{_dotted(location[:-1])}]]" if isinstance(location[-1], int) else f"[{key}]"
+        return f"{key} = {value} must be a table {header}; allowed keys: {keys}"
     if kind.startswith("bool"):
         return f"{key} = {value} must be true or false"
     if kind.startswith("datetime") or kind.startswith("date_"):
@@ -171,6 +181,31 @@ def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
     if kind.startswith("path"):
         return f"{key} = {value} must be the path of a file, in quotes"
     return f"{key} = {value}: {error['msg']}"
+
+
+def _list_mistake(key: Key, error: ErrorDetails) -> str:
+    """Return what is wrong with a list itself: that it is none, or the number of its values."""
+    given, context = error["input"], error.get("ctx", {})
+    count = len(given) if isinstance(given, list | tuple) else None
+    length = list_length(key.info.annotation)
+    if length is not None:
+        wrong = f"must be a list of {length} numbers in brackets" if count is None else f"has {values_text(count)} and must have {length}"
+        return f"{wrong}: {key.info.description} (allowed: {key.allowed})"
+    names = choices_at(key.path)
+    allowed = _listed(names) if names else key.allowed
+    if count is None:
+        return "must be a list in brackets" + (f"; allowed in it: {allowed}" if allowed else "")
+    if error["type"] == "too_long":
+        return f"has {values_text(count)}; allowed are at most {context['max_length']}"
+    least = context["min_length"]
+    return f"{'is empty' if count == 0 else f'has {values_text(count)}'}; give {least} or more" + (
+        f" (allowed: {allowed})" if allowed else ""
+    )
+
+
+def values_text(count: int) -> str:
+    """Return a number of values in words."""
+    return f"{count} value{'' if count == 1 else 's'}"
 
 
 def _unknown_key(location: Sequence[str | int]) -> str:

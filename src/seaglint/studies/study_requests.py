@@ -354,6 +354,17 @@ class LikelihoodRequest:
             detail="Bearings are clockwise from north; without them azimuths from the Sun are those of the scenario.",
         ),
     ] = None
+    forecast: Annotated[
+        Path | None,
+        Parameter(
+            "forecast of wind and cloud cover beside the climatology along the track: GRIB or NetCDF",
+            detail="Members of an ensemble are equally likely.",
+        ),
+    ] = None
+    wind_spread: Annotated[float, Parameter("standard deviation of the wind speed about the forecast [m/s]", least=0.0)] = 0.0
+    cover_spread: Annotated[float, Parameter("standard deviation of the cloud cover about the forecast [share of the sky]", least=0.0)] = (
+        0.0
+    )
     best: Annotated[
         bool,
         Parameter(
@@ -366,12 +377,20 @@ class LikelihoodRequest:
     ] = None
 
     def __post_init__(self) -> None:
-        """Refuse several results at once, and a date without use."""
+        """Refuse several results at once, and options without use."""
         ways = [f"`{name}`" for name, given in (("by_month", self.by_month), ("track", self.track), ("best", self.best)) if given]
         if len(ways) > 1:
             raise DataError(f"{' and '.join(ways)} are given: a map, the way of a ship and the best look are different results; give one")
         if self.date is not None and not self.best:
             raise DataError(f"`date` = {self.date}: is for `best` alone; other results have the times of the scenario")
+        if self.forecast is not None and self.track is None:
+            raise DataError("a forecast is given without a track: it is read along one; give `track`, a CSV of the way")
+        for name, most, unit in (("wind_spread", 50.0, "m/s"), ("cover_spread", 1.0, "share of the sky")):
+            value = getattr(self, name)
+            if not 0.0 <= value <= most:
+                raise DataError(f"{name} = {value:g} is outside 0 to {most:g} ({unit}); give the standard deviation of the forecast")
+            if value > 0.0 and self.forecast is None:
+                raise DataError(f"{name} = {value:g} is given without a forecast, whose error it is; give `forecast`, or leave it out")
 
 
 Seed = Annotated[int, Parameter("of the random numbers: the same seed gives the same bytes", least=0)]  #: Seed of fits and samples.

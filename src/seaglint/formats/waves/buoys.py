@@ -1,4 +1,4 @@
-"""Readers of the wave spectra of CDIP, Datawell, Sofar Spotter and TRIAXYS buoys; NDBC's are read in another file.
+"""Readers of the wave spectra of CDIP, Datawell, Obscape, Sofar Spotter and TRIAXYS buoys; NDBC's and AWACs are read in other files.
 
 - CDIP: NetCDF (``067p1_rt.nc``, ``067p1_historic.nc``, ``067p1_d01.nc``), and files with its names. Moments a1, b1, a2, b2 are the cosine
   and sine parts about the direction waves come FROM, clockwise from true north, divided by the energy:
@@ -6,6 +6,9 @@
   energies. Records whose primary flag is questionable, bad or missing are not used.
 - Datawell Waverider: ``.spt`` files of one record, whose name gives place and time (``buoy}2024-09-09T01h15Z.spt``). Bands have energy
   relative to the largest, mean direction waves come FROM and width of the directions [deg].
+- Obscape: CSV of the portal, one record: densities [m² Hz⁻¹ rad⁻¹] with a row for each frequency and a column for each direction waves
+  come FROM, clockwise from true north. ``Timestamp`` is in UTC; ``Timestring`` is in the portal's time zone and is not used. wavespectra
+  begins all directions at 0 and does not read the unit; both are read here.
 - Sofar Spotter: JSON of the programming interface, CSV of the dashboard. Both give the moments of every band, a1, b1, a2, b2, about the
   direction waves travel TO, counter-clockwise from east: ``direction = 270 deg - atan2(b1, a1)``, where they come FROM. wavespectra would
   rebuild them from mean direction and width alone, and uses the times of the wave heights, which differ from the times of the spectra by
@@ -32,7 +35,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
-from seaglint.formats.tables.table_text import read_cell_lines
+from seaglint.formats.tables.table_text import plain_number, read_cell_lines
 from seaglint.formats.waves.ndbc_buoys import degrees_of, energy_of, frequency_of, numbers_of, travels_to
 from seaglint.formats.waves.wave_records import (
     LOST_SHARE,
@@ -83,6 +86,11 @@ _WIDEST: Final = (80.0, 81.1)  # deg: the cosine's limit, and sqrt(2) rad, the w
 _COLUMNS: Final = ("frequency", "varianceDensity", "a1", "b1", "a2", "b2")
 
 _AGAIN: Final = "give a Spotter's file as its dashboard or programming interface wrote it, or see sea.spectrum.format"
+
+_OBSCAPE_AGAIN: Final = "give a spectrum file (spec2D) as Obscape's portal wrote it, or see sea.spectrum.format"
+
+#: Lines on the unit, and the factor to densities per degree.
+_OBSCAPE_UNITS: Final = {"Variance-density [m2/Hz/rad]": np.pi / 180.0, "Variance-density [m2/Hz/deg]": 1.0}
 
 _TYPE = re.compile(r"^\s*TYPE\s*=\s*(.*?)\s*$", re.MULTILINE)
 _ZONE = re.compile(r"^\s*DATE\s*=.*\((.*?)\)", re.MULTILINE)
@@ -230,12 +238,12 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
             direction_is_to = travels_to(data, "waveMeanDirection")
         return DirectionalMoments(frequency[good], energy[good], (first if direction_is_to else -first)[good], second[good])
     if mean is not None and widths is not None and np.any(np.isfinite(mean) & np.isfinite(widths)):
-        come_from, widths = _filled(frequency, variance, mean + 180.0 if direction_is_to else mean, widths, path)
+        come_from, widths = filled_directions(frequency, variance, mean + 180.0 if direction_is_to else mean, widths, path)
         return Cosine(frequency[good], energy[good], come_from[good], widths[good])
     return Plain(frequency[good], energy[good])
 
 
-def _filled(
+def filled_directions(
     frequency: FloatArray, variance: FloatArray, come_from: FloatArray, widths: FloatArray, path: Path
 ) -> tuple[FloatArray, FloatArray]:
     """Return directions and widths of every band, interpolated where they are missing, the widths within the cosine's limits."""
@@ -303,6 +311,57 @@ def read_datawell(path: Path) -> WaveRecords:
     return WaveRecords(
         lambda *_: Cosine(frequency, energy, directions, np.minimum(width, limit)), np.array([moment], "datetime64[ns]"), (name[1],)
     )
+
+
+def read_obscape(path: Path) -> WaveRecords:
+    """Read the only record of a CSV file.
+
+    Raises
+    ------
+    DataError
+        A line of the header that is missing or has another meaning, or a table of another size; with the line.
+    """
+    lines = [(number, line.strip()) for number, line in enumerate(outputs.read_text(path, _OBSCAPE_AGAIN).splitlines(), 1)]
+    comments = [line[1:].strip() for _, line in lines if line.startswith("#")]
+    header = {key.strip(): value.strip() for key, sign, value in (line.partition("=") for line in comments) if sign}
+    for key in ("Timestamp", "Directions", "Columns [deg]", "Rows [Hz]"):
+        if key not in header:
+            raise DataError(f"{path}: its header has no line '# {key} = ...'; {_OBSCAPE_AGAIN}")
+    if header["Directions"] != "True North":
+        raise DataError(f"{path}: Directions = '{header['Directions']}' is not read; allowed: True North: correct them by the declination")
+    unit = next((line for line in comments if line.lower().startswith("variance-density")), "")
+    if unit not in _OBSCAPE_UNITS:
+        raise DataError(f"{path}: '{unit or 'no unit'}' is not read; allowed: {' or '.join(_OBSCAPE_UNITS)}")
+    frequency, directions = (_numbers(header[key], f"{path}: {key}") for key in ("Rows [Hz]", "Columns [deg]"))
+    rows = [(number, line.split(",")) for number, line in lines if line and not line.startswith("#")]
+    if len(rows) != frequency.size:
+        raise DataError(f"{path}: has {len(rows)} rows and {frequency.size} frequencies in its header; is the file whole?")
+    for number, cells in rows:
+        if len(cells) != directions.size:
+            raise DataError(
+                f"{path}: line {number}: has {len(cells)} columns and the header {directions.size} directions; is the file whole?"
+            )
+    density = np.array([_numbers(",".join(cells), f"{path}: line {number}") for number, cells in rows]) * _OBSCAPE_UNITS[unit]
+    places = [_numbers(header[key], f"{path}: {key}") if key in header else None for key in ("Latitude [deg]", "Longitude [deg]")]
+    moment = np.datetime64(int(_numbers(header["Timestamp"], f"{path}: Timestamp")[0]), "s").astype("datetime64[ns]")
+    return WaveRecords(
+        lambda *_: Bins(frequency, directions, density),
+        np.array([moment]),
+        (header.get("Station name", "1"),),
+        *(None if value is None else value.reshape(1, -1)[:, :1] for value in places),
+    )
+
+
+def _numbers(text: str, what: str) -> FloatArray:
+    """Return the numbers of a list; ``0,3,6,... 357`` goes on in steps of 3."""
+    start, dots, end = text.partition("...")
+    try:
+        values = [plain_number(cell) for cell in start.strip(" ,").split(",")]
+        if dots:
+            values = [*np.arange(values[0], plain_number(end.strip(" ,")) + 0.5 * (values[1] - values[0]), values[1] - values[0])]
+    except (ValueError, IndexError, ZeroDivisionError) as error:
+        raise DataError(f"{what}: is no list of numbers ({' '.join(str(error).split())[:80]}); {_OBSCAPE_AGAIN}") from None
+    return np.array(values)
 
 
 def read_spotter_json(path: Path) -> WaveRecords:

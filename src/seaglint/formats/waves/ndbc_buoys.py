@@ -285,6 +285,12 @@ class SpectralText:
     path: Path  #: The file.
     times: NDArray[np.datetime64]  #: UTC time of every record.
     rows: tuple[SpectralRow, ...]  #: Their values as text.
+    left_out: str = ""  #: Lines without a date, which were left out, in words.
+
+    @property
+    def name(self) -> str:
+        """Return the path, with what was left out of the file."""
+        return f"{self.path} ({self.left_out})" if self.left_out else str(self.path)
 
     @property
     def historical(self) -> bool:
@@ -302,7 +308,7 @@ class SpectralText:
         indices = np.flatnonzero(self.times == moment)
         if indices.size == 0:
             raise DataError(
-                f"{self.path} has no record of {moment}, which the energy file has; the files do not belong together or one is cut"
+                f"{self.name} has no record of {moment}, which the energy file has; the files do not belong together or one is cut"
             )
         rows = [self.rows[index] for index in indices]
         if len({" ".join(row.text.split()) for row in rows}) > 1:
@@ -347,7 +353,7 @@ def read_spectral_text(path: Path) -> SpectralText:
     Raises
     ------
     DataError
-        Headings of another kind of file, an impossible date, or no records; with the line.
+        Headings of another kind of file, impossible dates in more than half of the records, or no records; with the line.
     """
     content = path.read_bytes()
     if content.startswith(b"\x1f\x8b"):
@@ -359,7 +365,7 @@ def read_spectral_text(path: Path) -> SpectralText:
     if not lines or not headings_of(lines[0][1]):
         raise unreadable(path, "its first line is not headings: YY MM DD hh ...")
     frequencies: tuple[float, ...] | None = None
-    dates, times, rows = 4, [], []
+    dates, times, rows, undated = 4, [], [], []
     for number, line in lines:
         headings = headings_of(line)
         if headings:
@@ -372,11 +378,15 @@ def read_spectral_text(path: Path) -> SpectralText:
         try:
             times.append(np.datetime64(moment_of(cells[:dates])))
         except ValueError:
-            raise unreadable(path, f"line {number}: '{' '.join(cells[:dates])[:40]}' is no date and hour") from None
+            undated.append(f"line {number}: '{' '.join(cells[:dates])[:40]}' is no date and hour")
+            continue
         rows.append(SpectralRow(number, cells[dates] if len(cells) > dates else "", frequencies))
+    if len(undated) > len(rows):
+        raise unreadable(path, f"{len(undated)} of {len(rows) + len(undated)} records have no date; {undated[0]}")
     if not rows:
         raise unreadable(path, "it has no records")
-    return SpectralText(path, np.array(times).astype("datetime64[ns]"), tuple(rows))
+    left_out = f"{len(undated)} of {len(rows) + len(undated)} records left out; {undated[0]}" if undated else ""
+    return SpectralText(path, np.array(times).astype("datetime64[ns]"), tuple(rows), left_out)
 
 
 def _frequencies(path: Path, number: int, names: list[str]) -> tuple[float, ...] | None:
@@ -397,7 +407,7 @@ def read_text(path: Path, choice: WaveChoice) -> WaveRecords:
     files = _five(path)
     moment = choice.require_time(str(path))
     table = _read(files[0])
-    index, _ = choice.nearest_time(table.times, str(files[0]))
+    index, _ = choice.nearest_time(table.times, table.name)
     moment = table.times[index]
     companions = [file for file in files[1:] if file.is_file()]
 
@@ -411,7 +421,7 @@ def read_text(path: Path, choice: WaveChoice) -> WaveRecords:
         alpha1, alpha2, r1, r2 = (_column(_read(file), moment, frequency) for file in files[1:])
         return moments_of(frequency, energy, (alpha1, alpha2, r1, r2), "unknown" if table.historical else "ones", f"{path} at {moment}")
 
-    return WaveRecords(bands, table.times[index : index + 1], (_station(files[0]),))
+    return WaveRecords(bands, table.times[index : index + 1], (_station(files[0]),), note=table.left_out or None)
 
 
 def read_netcdf(path: Path) -> WaveRecords:

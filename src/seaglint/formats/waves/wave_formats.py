@@ -14,6 +14,17 @@ Formats of wave models and of wavespectra are read here, formats of buoys in two
 - WAVEWATCH III: NetCDF of the point output and text files of stations. Both have directions waves travel TO, clockwise from north;
   wavespectra turns them to where waves come FROM, even in NetCDF whose attribute states that waves come FROM them already. Text rounds
   directions to three digits of a radian: they are put back on their even grid.
+- WWM (WWM-II, WWM-III in SCHISM): NetCDF of stations. ``AC`` is the density of action over angular frequency and direction
+  [m² s² rad⁻²], ``SPSIG`` angular frequency [rad s⁻¹], ``SPDIR`` the direction waves travel TO, counter-clockwise from the x axis [rad]:
+  the model moves waves with ``cg cos SPDIR`` along x. wavespectra takes ``SPDIR`` for nautical directions waves come FROM; this reader
+  does not. The height ``HS``, where the file has it, must agree.
+
+Formats of NetCDF are read from Zarr stores as well.
+
+References
+----------
+A. Roland et al. 2012, "A fully coupled 3D wave-current interaction model on unstructured grids", J. Geophys. Res. 117, C00J33; source
+of WWM-III in SCHISM: ``wwm_netcdf.F90`` (SPDIR, SPSIG as computed), ``wwm_aux.F90`` (DEG2NAUT), ``wwm_fluctsplit.F90`` (propagation).
 """
 
 from __future__ import annotations
@@ -30,7 +41,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
-from seaglint.formats.waves import buoys
+from seaglint.formats.waves import awac, buoys
 from seaglint.formats.waves import ndbc_buoys as ndbc
 from seaglint.formats.waves.ndbc_buoys import headings_of
 from seaglint.formats.waves.wave_records import (
@@ -44,10 +55,13 @@ from seaglint.formats.waves.wave_records import (
     parsed,
     reader,
     spectrum_of,
+    store_group,
 )
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 
-Format = Literal["ndbc", "cdip", "mhkit", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"]
+Format = Literal[
+    "ndbc", "cdip", "mhkit", "spotter", "obscape", "awac", "datawell", "triaxys", "swan", "ww3", "wwm", "era5", "octopus", "wavespectra"
+]
 
 #: Names of the formats that ``sea.spectrum.format`` takes.
 FORMATS: Final[tuple[Format, ...]] = get_args(Format)
@@ -60,6 +74,8 @@ _GRIDS: Final = {(30, 24), (36, 36)}
 _HEADER_END: Final = "QUANT"
 
 _ROUNDED: Final = 0.6  # largest distance of a printed direction from its even grid [deg]: 0.005 rad and the offset's own
+
+_AGREE_HEIGHT: Final = 0.25  # share of the height that the file states: HS includes a tail above the last frequency
 
 _NETCDF: Final = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
 _BEGINNING: Final = 8192
@@ -233,6 +249,33 @@ def read_ww3_netcdf(path: Path) -> WaveRecords:
     return netcdf_records(path, "efth", convert)
 
 
+def read_wwm(path: Path) -> WaveRecords:
+    """Read the records of WWM's NetCDF of stations."""
+
+    def convert(data: Any) -> Bins:
+        names = {str(name).upper(): str(name) for name in data.variables}
+        sigma, theta = data[names["SPSIG"]], data[names["SPDIR"]]
+        if float(np.abs(theta).max()) > 2.0 * np.pi + 1e-3:
+            raise DataError(f"{path}: {names['SPDIR']} reaches {float(np.abs(theta).max()):g}, and radians are read, 0 to 6.28; convert it")
+        rates = _floats(sigma)
+        density = _floats(data["AC"].transpose(*sigma.dims, *theta.dims)) * rates[:, None] * 2.0 * np.pi * np.pi / 180.0
+        # TO, counter-clockwise from east; 270 deg less it is FROM, clockwise from north.
+        bins = Bins(rates / (2.0 * np.pi), (270.0 - np.degrees(_floats(theta))) % 360.0, density)
+        _require_height(bins, data, path)
+        return bins
+
+    return netcdf_records(path, "AC", convert)
+
+
+def _require_height(bins: Bins, data: Any, path: Path) -> None:
+    """Refuse spectra that do not have the height that WWM's file states, for example energy in the place of action."""
+    width = np.gradient(bins.frequency_hz)
+    height = 4.0 * float(np.sqrt(max(np.sum(bins.density * width[:, None]) * 360.0 / bins.from_deg.size, 0.0)))
+    stated = float(data["HS"]) if "HS" in data.variables and data["HS"].size == 1 else np.nan
+    if stated > 0.0 and height > 0.0 and abs(height - stated) > _AGREE_HEIGHT * stated:
+        raise DataError(f"{path}: AC gives a height of {height:.2f} m and HS is {stated:.2f} m; correct the one that is wrong")
+
+
 @dataclass(frozen=True)
 class WavesFromFile:
     """Spectrum and its source."""
@@ -271,6 +314,8 @@ def read_waves(
         If wavespectra is not installed and needed.
     """
     path, choice = Path(path), WaveChoice() if choice is None else choice
+    if format != "ndbc":  # of a buoy's five files any one may be missing
+        _require_present(path)
     kind = recognised(path) if format is None else format
     # what a damaged file holds may be of any type and shape
     return parsed(path, f"a file of {kind}", lambda: _chosen(path, kind, choice, wind_to_azimuth))
@@ -306,21 +351,29 @@ def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float
     return WavesFromFile(spectrum, report)
 
 
+def _require_present(path: Path) -> None:
+    """Refuse a file that is missing, and a folder that is no store."""
+    if path.is_dir() and store_group(path) is None:
+        raise DataError(f"{path} is a folder and no Zarr store (zarr.json, .zgroup); give the file or the store of a wave spectrum")
+    if not path.exists() and not ndbc.is_common_part(path):
+        raise DataError(f"{path} does not exist; give the file of a wave spectrum ({', '.join(FORMATS)})")
+
+
 def recognised(path: Path) -> Format:
     """Recognise the format of a file by its beginning, and for plain text by its name.
 
     Raises
     ------
     DataError
-        A file that is missing or of another format.
+        A file of another format.
     """
-    if not path.is_file():
-        if ndbc.is_common_part(path):
-            return "ndbc"
-        raise DataError(f"{path} does not exist; give the file of a wave spectrum ({', '.join(FORMATS)})")
-    with path.open("rb") as file:
-        beginning = file.read(_BEGINNING)
-    name = _netcdf_format(path) if beginning.startswith(_NETCDF) else _text_format(path, beginning)
+    if not path.is_file() and ndbc.is_common_part(path):
+        return "ndbc"
+    beginning = b""
+    if path.is_file():
+        with path.open("rb") as file:
+            beginning = file.read(_BEGINNING)
+    name = _netcdf_format(path) if _has_variables(path) else _text_format(path, beginning)
     if name is None:
         hint = "; GRIB is not read: convert it to NetCDF" if beginning.startswith(b"GRIB") else ""
         raise DataError(
@@ -328,6 +381,16 @@ def recognised(path: Path) -> Format:
             "set sea.spectrum.format if it is one"
         )
     return name
+
+
+def _has_variables(path: Path) -> bool:
+    """Return true for NetCDF and for Zarr stores."""
+    if store_group(path) is not None:
+        return True
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(8).startswith(_NETCDF)
 
 
 def _netcdf_format(path: Path) -> Format | None:
@@ -340,6 +403,8 @@ def _netcdf_format(path: Path) -> Format | None:
             return kind  # type: ignore[return-value]
     if "efth" in names:
         return "wavespectra" if "freq" in names else "ww3"
+    if "AC" in names and {"SPSIG", "SPDIR"} <= {name.upper() for name in names}:  # older programs write the axes in small letters
+        return "wwm"
     return "swan" if {"density", "frequency"} <= names else None
 
 
@@ -357,6 +422,10 @@ def _text_format(path: Path, beginning: bytes) -> Format | None:
             return kind  # type: ignore[return-value]
     if "varianceDensity_0" in text or (head.startswith("{") and '"frequencyData"' in path.read_text(encoding="utf-8", errors="replace")):
         return "spotter"
+    if head.startswith("$PNOR") or "\n$PNOR" in text:
+        return "awac"
+    if head.startswith("#") and "# Rows [Hz]" in text:
+        return "obscape"
     if any(line.startswith("nfreqs,") for line in text.splitlines()[:4]):
         return "octopus"
     if headings_of(head.partition("\n")[0]):
@@ -368,10 +437,7 @@ def _text_format(path: Path, beginning: bytes) -> Format | None:
 
 def _records(path: Path, kind: Format, choice: WaveChoice) -> WaveRecords:
     """Return the records of the file by the family of its format."""
-    is_netcdf = False
-    if path.is_file():
-        with path.open("rb") as file:
-            is_netcdf = file.read(8).startswith(_NETCDF)
+    is_netcdf = _has_variables(path)
     match kind:
         case "ndbc" if is_netcdf:
             other = _netcdf_format(path)  # NDBC's data come under the names of others as well
@@ -388,6 +454,12 @@ def _records(path: Path, kind: Format, choice: WaveChoice) -> WaveRecords:
             return read_ww3_netcdf(path) if is_netcdf else read_ww3_text(path)
         case "spotter":
             return buoys.read_spotter_json(path) if path.read_bytes().lstrip().startswith(b"{") else buoys.read_spotter_csv(path)
+        case "obscape":
+            return buoys.read_obscape(path)
+        case "awac":
+            return awac.read_awac(path)
+        case "wwm":
+            return read_wwm(path)
         case "era5":
             return read_era5_waves(path)
         case "triaxys":

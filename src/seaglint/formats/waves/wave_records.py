@@ -1,6 +1,6 @@
 """Records of a wave file: times, places, the bands of each record in the kinds that files have, and their conversion to a spectrum.
 
-A ``WaveChoice`` selects a record by time and place. Records of NetCDF files are found under various names of time and place.
+A ``WaveChoice`` selects a record by time and place, which NetCDF files and Zarr stores have under various names.
 
 Directions here are where waves come FROM, in degrees clockwise from north, as CF and wavespectra have them; they are turned to where
 waves travel TO in one place, ``spectrum_of``. Only moments are complex numbers about the azimuth TO.
@@ -9,6 +9,7 @@ waves travel TO in one place, ``spectrum_of``. Only moments are complex numbers 
 from __future__ import annotations
 
 import warnings
+import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -32,11 +33,13 @@ ComplexArray = NDArray[np.complex128]
 
 LOST_SHARE = 0.1  #: Largest share of energy in bands without directions [1]; those bands take the directions of their neighbours.
 
+_STORE: Final = ("zarr.json", ".zgroup", ".zmetadata")  # files at the root of a group of a Zarr store
+
 _EARTH_RADIUS_KM = 6371.0
 _LISTED = 8  # sites that an error lists by name
 
-_TIMES: Final = ("valid_time", "time", "date")
-_SITES: Final = ("station", "site", "points")
+_TIMES: Final = ("valid_time", "time", "date", "ocean_time")
+_SITES: Final = ("station", "site", "points", "nbstation")
 _LATITUDES: Final = ("latitude", "lat")
 _LONGITUDES: Final = ("longitude", "lon")
 
@@ -299,13 +302,40 @@ def parsed(path: Path, kind: str, parse: Callable[[], _Parsed]) -> _Parsed:
 
 
 def open_dataset(path: Path) -> Any:
-    """Open the file as an xarray dataset without reading values."""
+    """Open NetCDF or a Zarr store as an xarray dataset without reading values."""
     # Groups, calendars or packing that xarray cannot read are reported as any parser's error.
-    return parsed(path, "NetCDF", lambda: open_netcdf(path))
+    if store_group(path) is None:
+        return parsed(path, "NetCDF", lambda: open_netcdf(path))
+    return parsed(path, "a Zarr store", lambda: _open_store(path))
+
+
+def store_group(path: Path) -> str | None:
+    """Return the group of a Zarr store of version 2 or 3 that holds its arrays; None where the path is no store.
+
+    The group is "" for a folder; a packed store (``.zarr.zip``) may have its folder inside the archive.
+    """
+    if path.is_dir():
+        return "" if any((path / name).is_file() for name in _STORE) else None
+    if not path.is_file() or not zipfile.is_zipfile(path):
+        return None
+    with zipfile.ZipFile(path) as packed:
+        groups = [name.rpartition("/")[0] for name in packed.namelist() if name.rpartition("/")[2] in _STORE]
+    return min(groups, key=len, default=None)
+
+
+def _open_store(path: Path) -> Any:
+    import xarray as xr
+    import zarr
+
+    store: Any = str(path) if path.is_dir() else zarr.storage.ZipStore(path, mode="r")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of text, and of files that are no arrays: only what is needed has to be readable
+        # Metadata of the groups themselves: stores without consolidated metadata are read like others.
+        return xr.open_dataset(store, engine="zarr", group=store_group(path) or None, chunks=None, consolidated=False)
 
 
 def netcdf_records(path: Path, density: str, convert: Callable[[Any], Bands]) -> WaveRecords:
-    """Return the records of a NetCDF file.
+    """Return the records of a NetCDF file or a Zarr store.
 
     Parameters
     ----------

@@ -1,18 +1,26 @@
 """Content of weather files: cells of a CSV file by column, and the rows of a source with counts of what was left out.
 
+Tables that a user makes are refused at their first bad cell. Files of observations have dirt: their bad lines are left out and counted by
+kind, unless they are the larger part.
+
 Also parsers of what a user states about them: times, and areas as boxes or polygons (text, CSV or GeoJSON).
 """
 
 from __future__ import annotations
 
+import csv
 import gzip
-from collections.abc import Mapping
+import zlib
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
@@ -22,6 +30,20 @@ from seaglint.formats.tables.table_text import TextTable, plain_number, read_cel
 from seaglint.store.outputs import read_json
 
 _MISSING: Final = frozenset({"", "nan", "NaN", "NA", "null", "None"})
+
+SEPARATORS: Final = ",;\t"  #: Signs between the cells of a CSV file.
+
+Line = tuple[int, str]  #: Line of a file: its number from 1, and its text.
+
+
+def shown(text: str, most: int = 60) -> str:
+    r"""Return the beginning of a text for a message of one line.
+
+    >>> shown("a\tb\x00" + "c" * 100, 8)
+    'a?b?cccc...'
+    """
+    cut = "".join(sign if sign.isprintable() else "?" for sign in text[:most])
+    return cut + "..." if len(text) > most else cut
 
 
 @dataclass(frozen=True)
@@ -43,16 +65,18 @@ class TextColumns(TextTable):
                 out[i] = plain_number(cell)
             except ValueError:
                 comma = "; write a decimal point" if "," in cell else "; give a number in the unit of the heading, or leave it empty"
-                raise DataError(f"{self.where(i)}, column {name}: '{cell}' is not a number{comma}") from None
+                raise DataError(f"{self.where(i)}, column {name}: '{shown(cell)}' is not a number{comma}") from None
         return out
 
-    def within(self, name: str, values: FloatArray, column: str = "", advice: str = "") -> FloatArray:
-        """Return the values of a weather column; refuse one outside its range with row and line."""
-        low, high = RANGES[name]
+    def within(
+        self, name: str, values: FloatArray, column: str = "", advice: str = "", allowed: tuple[float, float] | None = None
+    ) -> FloatArray:
+        """Return the values of a weather column; refuse one outside its range, or another one, with row and line."""
+        low, high = allowed or RANGES[name]
         good = np.isnan(values) | (np.isfinite(values) & (values >= low) & (values <= high))
-        allowed = f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
+        words = f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
         advice = advice or "correct it, or leave it empty"
-        self.check(good, column or name, lambda i: f"{name} = {values[i]:g} is outside the range allowed: {allowed}; {advice}")
+        self.check(good, column or name, lambda i: f"{name} = {values[i]:g} is outside the range allowed: {words}; {advice}")
         return values
 
 
@@ -71,9 +95,9 @@ def read_cells(path: str | Path) -> TextColumns:
     if not rest:
         raise DataError(f"{path}: holds no rows; the first line names the columns, each further one is a row")
     header = tuple(head.cells)
-    twice = sorted({name for name in header if name and header.count(name) > 1})
+    twice = sorted(name for name, count in Counter(header).items() if name and count > 1)
     if twice:
-        raise DataError(f"{path}, line {head.number}: column {', '.join(twice)} is there twice; rename or remove one")
+        raise DataError(f"{path}, line {head.number}: column {shown(', '.join(twice), 200)} is there twice; rename or remove one")
     for number, _, row in rest:
         if len(row) != len(header):
             raise DataError(f"{path}, line {number}: {len(row)} cells under {len(header)} headings; is the file whole?")
@@ -127,12 +151,12 @@ class WeatherSource:
 
 
 def text_of(path: Path) -> str:
-    """Return the text of a file, also of one packed by gzip.
+    """Return the content of a file as text, also of one packed by gzip; a byte that is no UTF-8 is one character.
 
     Raises
     ------
     DataError
-        A file that is missing, cannot be read, or is no text.
+        A file that is missing or cannot be read.
     """
     try:
         content = path.read_bytes()
@@ -140,11 +164,103 @@ def text_of(path: Path) -> str:
             content = gzip.decompress(content)
     except FileNotFoundError:
         raise DataError(f"{path}: no such file; give a file of weather") from None
-    except (OSError, EOFError) as error:
+    except (OSError, EOFError, zlib.error) as error:
         raise DataError(f"{path}: cannot be read ({error}); is it whole?") from None
-    if b"\0" in content[:4096]:
-        raise DataError(f"{path}: is no text; give ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, or CSV with map='NAME=COLUMN:UNIT'")
-    return content.decode("utf-8-sig" if content[:3] == b"\xef\xbb\xbf" else "latin-1")
+    return content.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
+
+
+def lines_of(text: str) -> list[Line]:
+    r"""Return the lines of a text that are not empty; free text in a line may hold any other sign that Python ends lines at.
+
+    >>> lines_of("a\x0bb\r\n\nc")
+    [(1, 'a\x0bb'), (3, 'c')]
+    """
+    numbered = ((number, line.removesuffix("\r")) for number, line in enumerate(text.split("\n"), 1))
+    return [(number, line) for number, line in numbered if line.strip(" ")]
+
+
+def sound(path: Path, lines: Sequence[Line], faults: Sequence[str], what: str, remedy: str) -> tuple[NDArray[np.bool_], dict[str, int]]:
+    """Return true for each line without a fault, and the number of the other lines by fault.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    lines, faults : sequences
+        Its lines, and what is wrong with each: empty, or words such as ``without a year``.
+    what, remedy : str
+        A good line in words, and what to do.
+
+    Raises
+    ------
+    DataError
+        No lines, or more than half of them with a fault.
+    """
+    counts = Counter(fault for fault in faults if fault)
+    bad = counts.total()
+    if not lines:
+        raise DataError(f"{path}: holds no records; bring the file again")
+    if 2 * bad > len(lines):
+        number, text = next(line for line, fault in zip(lines, faults, strict=True) if fault)
+        kinds = ", ".join(f"{count} {fault}" for fault, count in counts.items())
+        raise DataError(
+            f"{path}: {bad} of {len(lines)} lines are no {what}: {kinds}; the first is line {number}: '{shown(text)}'; {remedy}"
+        )
+    return np.array([not fault for fault in faults]), dict(counts)
+
+
+def numbers_or_missing(cells: Sequence[str], absent: frozenset[str] = _MISSING) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return cells as numbers, NaN where they are missing, and true where a cell is something else than a number."""
+    out, bad = np.full(len(cells), np.nan), np.zeros(len(cells), dtype=np.bool_)
+    for i, cell in enumerate(cells):
+        if cell in absent:
+            continue
+        with suppress(ValueError):
+            out[i] = plain_number(cell)
+        bad[i] = not np.isfinite(out[i])
+    return np.where(bad, np.nan, out), bad
+
+
+def twice_noted(lines: Sequence[str]) -> list[str]:
+    """Return a note on records that are exact copies of others, if there are any."""
+    copies = len(lines) - len(set(lines))
+    return [f"{copies} records are exact copies of earlier ones; all are kept"] if copies else []
+
+
+def header_of(lines: Sequence[Line]) -> list[str]:
+    """Return the cells of the first line that is no comment; an empty list where there is none or its quotes do not end."""
+    first = next((line for _, line in lines if not line.lstrip().startswith("#")), "")
+    return split_cells(first, separator_of(first)) or []
+
+
+def separator_of(line: str) -> str:
+    """Return the sign between the cells of a line of headings."""
+    return max(SEPARATORS, key=line.count)
+
+
+def split_cells(line: str, separator: str) -> list[str] | None:
+    """Return the cells of a line without the blanks around them; None where its quotes do not end."""
+    try:
+        (row,) = csv.reader([line], delimiter=separator, strict=True)
+    except (csv.Error, ValueError):
+        return None
+    return [cell.strip() for cell in row]
+
+
+def moment_of_iso(text: str, *, naive_is_utc: bool) -> datetime:
+    """Return a time in UTC; without a zone where it has none and may not be taken as UTC.
+
+    Raises
+    ------
+    ValueError
+        A text that is no ISO time.
+    """
+    try:
+        moment = datetime.fromisoformat(text)
+        moment = moment.replace(tzinfo=UTC) if moment.tzinfo is None and naive_is_utc else moment
+        return moment if moment.tzinfo is None else moment.astimezone(UTC)
+    except OverflowError as error:  # a zone that leads out of the years 1 to 9999
+        raise ValueError(str(error)) from None
 
 
 def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
@@ -175,19 +291,16 @@ def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tu
         if not text:
             continue
         try:
-            moment = datetime.fromisoformat(text)
+            moment = moment_of_iso(text, naive_is_utc=naive_is_utc)
         except ValueError:
             raise DataError(
-                f"{cells.where(i)}, column {column}: '{text}' is no ISO time; write 2019-07-01T06:00Z, or leave it empty"
+                f"{cells.where(i)}, column {column}: '{shown(text)}' is no ISO time; write 2019-07-01T06:00Z, or leave it empty"
             ) from None
         if moment.tzinfo is None:
-            if not naive_is_utc:
-                raise DataError(
-                    f"{cells.where(i)}, column {column}: '{text}' has no time zone; write 2019-07-01T06:00Z or +02:00, or set utc=True "
-                    "if times without one are UTC"
-                )
-            moment = moment.replace(tzinfo=UTC)
-        moment = moment.astimezone(UTC)
+            raise DataError(
+                f"{cells.where(i)}, column {column}: '{shown(text)}' has no time zone; write 2019-07-01T06:00Z or +02:00, or set utc=True "
+                "if times without one are UTC"
+            )
         month[i], seconds[i] = moment.month, moment.timestamp()
         # A date alone has 10 characters; fromisoformat makes it midnight, which nobody stated.
         hour[i] = np.nan if len(text) <= 10 else moment.hour + moment.minute / 60.0 + moment.second / 3600.0

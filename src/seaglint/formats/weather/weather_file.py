@@ -22,7 +22,8 @@ from seaglint.climate.world_weather import FEW, NAME, few_observations, world_we
 from seaglint.formats.tables.table_text import require_parquet
 from seaglint.formats.weather import era5_weather as era5
 from seaglint.formats.weather import marine_reports
-from seaglint.formats.weather.weather_cells import TextColumns, WeatherSource, read_cells, text_of
+from seaglint.formats.weather.weather_cells import SEPARATORS, TextColumns, WeatherSource, header_of, lines_of, read_cells, shown, text_of
+from seaglint.formats.weather.weather_grid import is_grib, is_netcdf
 from seaglint.store.outputs import moved_when_whole, refuse_existing, write_text
 
 SUFFIXES: Final = (".csv", ".parquet")  #: Endings of the files that are written.
@@ -32,6 +33,8 @@ NORTH_ATLANTIC: Final = "north-atlantic"  #: Name of the table in the package: t
 SHIPPED: Final = (NAME, NORTH_ATLANTIC)  #: Names of the weather in the package.
 
 _NOTES: Final = b"seaglint_weather_notes"
+
+_SEEN: Final = 50  #: Number of the first lines by which IMMA is recognised.
 
 
 @dataclass(frozen=True)
@@ -85,16 +88,15 @@ def _read_world(selection: Selection, place: tuple[float, float] | None) -> Weat
     notes = list(notes_of_world())
     try:
         if place is not None:
-            world.require_sea(*place)
-            few = few_observations(world, *place, months or range(1, 13))
-            notes += [few] if few else []
-            table = world.table(place[0], place[1], months)
+            north, east, other = world.sea_at(*place)
+            notes += filter(None, (other, few_observations(world, north, east, months or range(1, 13))))
+            table = world.table(north, east, months)
         else:
-            north, east, area = world.cells()
-            inside = selection.places(north, east)
+            norths, easts, area = world.cells()
+            inside = selection.places(norths, easts)
             if not inside.any():
                 raise DomainError(f"nothing in {' and '.join(selection.words)}; the climatology covers seas from 70 S to 78 N")
-            table = world.table(north[inside], east[inside], months, area=area[inside])
+            table = world.table(norths[inside], easts[inside], months, area=area[inside])
     except DomainError as error:
         raise DataError(f"{NAME}: {error}") from None
     return WeatherSource(Path(NAME), "climatology", table.columns, len(table), table.texts, notes=tuple(notes))
@@ -133,11 +135,11 @@ def _advice(name: str) -> str:
 def _require(path: Path, header: Sequence[str], where: str) -> None:
     for name in NEEDED:
         if name not in header:
-            near = difflib.get_close_matches(name, header, n=1, cutoff=0.5)
+            near = difflib.get_close_matches(name, header[:1000], n=1, cutoff=0.5)
             other = near[0] if near else "NAME"
             raise DataError(
-                f"{path}{where}: column {name} missing; found: {', '.join(header)}; needed are {', '.join(NEEDED)}; make such a table with "
-                f"'seaglint weather build' and map='{name}={other}:UNIT'"
+                f"{path}{where}: column {name} missing; found: {shown(', '.join(header), 400)}; needed are {', '.join(NEEDED)}; make "
+                f"such a table with 'seaglint weather build' and map='{name}={other}:UNIT'"
             )
 
 
@@ -152,7 +154,7 @@ def _remarks(header: Sequence[str], table: WeatherTable) -> tuple[str, ...]:
     notes = []
     unknown = [name for name in header if name not in RANGES and name not in TEXTS]
     if unknown:
-        notes.append(f"columns passed over, not of a weather table: {', '.join(unknown)}")
+        notes.append(f"columns passed over, not of a weather table: {shown(', '.join(unknown), 400)}")
     if "weight" not in header:
         notes.append("no column weight: all rows weigh the same")
     elif abs(table.weight_sum - 1.0) > 1e-6:
@@ -240,8 +242,8 @@ class WeatherReading:
 
 
 def is_grid(path: Path) -> bool:
-    """Return true where a file is an ERA5 grid, NetCDF or GRIB."""
-    return not is_world(path) and (era5.is_grib(path) or era5.is_netcdf(path))
+    """Return true where a file is a grid of weather, NetCDF or GRIB."""
+    return not is_world(path) and (is_grib(path) or is_netcdf(path))
 
 
 def read_source(path: Path, selection: Selection, reading: WeatherReading, beside: tuple[Path, ...] = ()) -> WeatherSource:
@@ -272,27 +274,32 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
     if path.suffix.lower() == ".parquet":
         return _own(path).selected(selection)
     text = text_of(path)
-    first = next((line for line in text.splitlines() if line.strip()), "")
+    lines = lines_of(text)
+    first = lines[0][1] if lines else ""
     if marine_reports.looks_like_ndbc(first):
         return marine_reports.read_ndbc(path, anemometer_m=reading.anemometer_m, place=reading.place).selected(selection)
-    if marine_reports.looks_like_imma(first):
+    if marine_reports.looks_like_imma(lines[:_SEEN]):
         return marine_reports.read_imma(path).selected(selection)
-    if not any(separator in text for separator in ",;\t"):
+    if "\0" in text[:4096]:
+        raise DataError(f"{path}: is no text; give ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, or CSV with map='NAME=COLUMN:UNIT'")
+    if not any(separator in text for separator in SEPARATORS):
         raise DataError(
-            f"{path}: begins with '{first[:60]}', which is no weather that is read: ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC "
+            f"{path}: begins with '{shown(first)}', which is no weather that is read: ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC "
             "standard meteorological text, a weather table, or any CSV with map='wind_speed_m_s=COLUMN:UNIT'"
         )
-    cells = read_cells(path)
+    header = header_of(lines)
     if reading.columns:
-        source = marine_reports.read_mapped(cells, reading.columns, naive_is_utc=reading.naive_is_utc)
-    elif {"wind_speed_m_s", "cloud_cover"} <= set(cells.header):
+        source = marine_reports.read_mapped(read_cells(path), reading.columns, naive_is_utc=reading.naive_is_utc)
+    elif {"wind_speed_m_s", "cloud_cover"} <= set(header):
         source = _own(path)
-    elif marine_reports.is_icoads_csv(cells.header):
-        source = marine_reports.read_icoads_csv(cells)
+    elif marine_reports.is_icoads_csv(header):
+        source = marine_reports.read_icoads_csv(path)
+    elif not header:
+        raise DataError(f"{path}, line {lines[0][0]}: '{shown(first)}' is no row of cells; repair its quotes, or give another file")
     else:
         raise DataError(
-            f"{path}, line 1: columns are {', '.join(cells.header)}; name the columns that are read, e.g. map='wind_speed_m_s=ws:kn', "
-            "map='cloud_cover=cloud:percent', map='time=date'"
+            f"{path}, line {lines[0][0]}: columns are {shown(', '.join(header), 400)}; name the columns to read, "
+            "e.g. map='wind_speed_m_s=ws:kn', map='cloud_cover=cloud:percent', map='time=date'"
         )
     return _placed(source, reading).selected(selection)
 

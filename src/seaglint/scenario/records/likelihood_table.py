@@ -79,7 +79,7 @@ class Likelihood(Record):
     months: Annotated[
         tuple[Annotated[int, Quantity(ge=1, le=12, integer=True)], ...] | None, about("months that count; all", min_length=1)
     ] = None
-    hours_utc: Annotated[tuple[_Hour, _Hour], about("hours of the day that count, UTC")] = (0.0, 24.0)
+    hours_utc: Annotated[tuple[_Hour, _Hour], about("hours of the day that count, UTC; [22, 4] goes through midnight")] = (0.0, 24.0)
     clouds: Annotated[
         Literal["auto", "cover", "overcast", "line-of-sight"],
         about(
@@ -104,9 +104,9 @@ class Likelihood(Record):
 
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:
-        for name in ("depression_deg", "azimuth_from_sun_deg", "height_m", "latitudes_deg", "hours_utc"):
+        for name in ("depression_deg", "azimuth_from_sun_deg", "height_m", "latitudes_deg"):
             pair = getattr(self, name)
-            # Longitudes may descend: such a region crosses the date line.
+            # Longitudes may descend: such a region crosses the date line. Hours may: they go through midnight.
             if pair is not None and pair[0] > pair[1]:
                 text = f"= [{pair[0]:g}, {pair[1]:g}] goes down; give the lower number first"
                 raise rule(f"likelihood.{name}", text, value=pair)
@@ -124,7 +124,7 @@ class Likelihood(Record):
             raise rule(f"likelihood.{missing}", "is missing: a region needs likelihood.latitudes_deg and likelihood.longitudes_deg")
         if self.place_from_weather and self.latitudes_deg is not None:
             raise rule("likelihood.place_from_weather", "= true with a region; leave one of both out")
-        if self.hours_utc[0] == self.hours_utc[1]:
+        if self.hours_utc[1] - self.hours_utc[0] in (0.0, -24.0):
             raise rule("likelihood.hours_utc", "is empty; give two different hours", value=self.hours_utc)
         return self
 

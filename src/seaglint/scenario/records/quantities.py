@@ -331,15 +331,22 @@ def _from_scenario_folder(path: Path, info: ValidationInfo) -> Path:
 
 
 def _must_exist(path: Path, info: ValidationInfo) -> Path:
+    return _present(path, info, path.is_file, "a file")
+
+
+def _must_exist_or_store(path: Path, info: ValidationInfo) -> Path:
+    return _present(path, info, path.exists, "a file or the folder of a Zarr store")
+
+
+def _present(path: Path, info: ValidationInfo, exists: Callable[[], bool], what: str) -> Path:
     # A preset is written before its files are there.
     try:
-        there = path.is_file()
+        there = exists()
     except OSError:  # a name that no file system takes
         there = False
     if (info.context or {}).get("files", True) and not there:
-        raise PydanticCustomError(
-            "missing_file", "{text}", {"text": "is not a file that exists; a relative path counts from the scenario file's folder"}
-        )
+        text = f"is not {what} that exists; a relative path counts from the scenario file's folder"
+        raise PydanticCustomError("missing_file", "{text}", {"text": text})
     return path
 
 
@@ -349,6 +356,7 @@ Azimuth = Annotated[float, Quantity("deg", ge=-360, le=360)]  #: Azimuth, clockw
 Utc = Annotated[datetime, BeforeValidator(_moment), AfterValidator(_as_utc)]
 InputPath = Annotated[Path, AfterValidator(_from_scenario_folder)]
 InputFile = Annotated[InputPath, AfterValidator(_must_exist)]
+InputFileOrStore = Annotated[InputPath, AfterValidator(_must_exist_or_store)]  #: A file, or the folder of a Zarr store.
 
 PACKAGED: Final = ("world", "north-atlantic")  #: Names of the weather in the package, which a key for a weather table may hold.
 

@@ -11,7 +11,7 @@ from pydantic import Field, StrictBool, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from seaglint.base.limits import BREON_HENRIOT_WIND, COX_MUNK_SLICK_WIND, COX_MUNK_WIND, WIND_PROFILE
-from seaglint.scenario.records.quantities import Azimuth, InputFile, Latitude, Longitude, Quantity, Record, Utc, about, default_tag
+from seaglint.scenario.records.quantities import Azimuth, InputFileOrStore, Latitude, Longitude, Quantity, Record, Utc, about, default_tag
 
 
 class Wind(Record):
@@ -119,9 +119,27 @@ class SpectrumFile(Record):
     """A spectrum from a file: buoys, wave models, re-analyses."""
 
     kind: Literal["file"] = "file"
-    path: Annotated[InputFile, about("the file; of a buoy's five NDBC files, beside each other, any one, e.g. 41010.data_spec")]
+    path: Annotated[
+        InputFileOrStore, about("the file or Zarr store; of a buoy's five NDBC files, beside each other, any one, e.g. 41010.data_spec")
+    ]
     format: Annotated[
-        Literal["auto", "ndbc", "cdip", "mhkit", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"],
+        Literal[
+            "auto",
+            "ndbc",
+            "cdip",
+            "mhkit",
+            "spotter",
+            "obscape",
+            "awac",
+            "datawell",
+            "triaxys",
+            "swan",
+            "ww3",
+            "wwm",
+            "era5",
+            "octopus",
+            "wavespectra",
+        ],
         about("format of the file; auto recognises it"),
     ] = "auto"
     time: Annotated[Utc | None, about("UTC time of the record wanted; default: that of [time]")] = None

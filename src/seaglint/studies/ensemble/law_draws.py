@@ -6,6 +6,7 @@ Objects may be placed by pixel of the first frame; ``PixelGrid`` gives their pla
 from __future__ import annotations
 
 import json
+import logging
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -36,6 +37,8 @@ from seaglint.studies.build import scenario_physics
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 from seaglint.studies.sequence.sensed_sequence import SensedSequence, prepare_sensed
 from seaglint.studies.sequence.sequence_work import SceneCache
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -242,11 +245,12 @@ def _rows_of_world(base: TomlTables) -> WeatherTable:
     if not isinstance(place, Mapping) or not {"latitude_deg", "longitude_deg"} <= set(place):
         raise DomainError("the climatology needs the place: add [place] latitude_deg, longitude_deg to the base")
     where, world = Place.model_validate(place), world_weather()
-    at = where.latitude_deg, where.longitude_deg
-    world.require_sea(*at)
+    north, east, other = world.sea_at(where.latitude_deg, where.longitude_deg, "[place]")
+    if other:
+        _log.warning("seaglint: %s", other)
     moment = time.get("utc") if isinstance(time, Mapping) else None
     months = () if moment is None else (Time.model_validate({"utc": moment}).utc.month,)
-    return world.table(*at, months)
+    return world.table(north, east, months)
 
 
 @dataclass(frozen=True, eq=False)

@@ -72,13 +72,13 @@ def best_looks(
     if settings.looks is not None:
         raise ScenarioError("likelihood.looks has directions, and the best look is searched among all; leave it out")
     if settings.quantity == "detection":
-        raise ScenarioError("likelihood.quantity = 'detection' has no look with the least glint; give another quantity, e.g. 'mean'")
+        raise ScenarioError("likelihood.quantity is 'detection', for which no look has the least glint; give another one, e.g. 'mean'")
     begin = _midnight(scenario, date)
     changed = {"sun": None, "time": None, "likelihood": settings.model_copy(update={"months": (begin.month,)})}
     model = LikelihoodModel.of(scenario.model_copy(update=changed), weather)
     place = model.where
     if not isinstance(place, tuple):
-        raise ScenarioError("place is missing: the best look is searched at one place; add likelihood.place = [LAT, LON], or [place]")
+        raise ScenarioError("place is missing: the best look is searched at one place; add likelihood.place or [place]")
     midnight = begin.timestamp()
     sky = Ephemeris.between(midnight, midnight + 86_400.0)
     hours = np.arange(24.0)

@@ -36,8 +36,18 @@ from seaglint.climate.glint_radiance import DetectionCurve, Search, WindSlopes, 
 from seaglint.climate.mirrored_sunlight import MirroredLight, mirrored_light
 from seaglint.climate.weather_laws import wind_shape
 from seaglint.climate.weather_selection import GeographicBox
-from seaglint.climate.weather_table import MONTHS, WeatherTable
-from seaglint.climate.world_weather import CELL, FEW, NAME, WorldWeather, few_observations, model_atmospheres, time_of_year, world_weather
+from seaglint.climate.weather_table import WeatherTable, stand_ins_told
+from seaglint.climate.world_weather import (
+    CELL,
+    FEW,
+    NAME,
+    NEAR_M,
+    WorldWeather,
+    few_observations,
+    model_atmospheres,
+    time_of_year,
+    world_weather,
+)
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.formats.lowtran.deck import MODELS
 from seaglint.formats.weather.weather_cells import read_cells
@@ -86,8 +96,8 @@ class LikelihoodModel:
         notes = _which_place(scenario)
         if weather is None and _uses_world(scenario, notes):
             world = world_weather()
-            models, row_model = _models_of_world(scenario, world)
             notes += _about_world(scenario, world)
+            models, row_model = _models_of_world(scenario, world)
             winds = _winds_of_world(scenario, world, notes)
             looks = _looks(settings, notes)
             return cls(scenario, None, world, models=models, row_model=row_model, winds=winds, looks=looks, notes=tuple(notes))
@@ -99,10 +109,7 @@ class LikelihoodModel:
             notes.append(f"{dropped} of {len(weather)} rows of weather left out: wind speed or cloud cover missing")
         table = _of_region(table, settings, notes).ordered("wind_speed_m_s", "cloud_cover")
         if table.missing_months and settings.months != () and scenario.sun is None and not settings.place_from_weather:
-            used = table.month_used
-            notes.append(
-                "no weather of " + ", ".join(f"{MONTHS[m - 1]} (rows of {MONTHS[used[m] - 1]} serve)" for m in table.missing_months)
-            )
+            notes.append(f"weather: {stand_ins_told(table.stand_ins)}")
         if scenario.sun is not None and not scenario.sun.model_fields_set:
             notes.append(
                 f"the Sun stands at zenith {scenario.sun.zenith_deg:g} deg, as no other is given; add [sun], or [place] or a region "
@@ -174,7 +181,7 @@ class LikelihoodModel:
             return self._weather_of_rows(where, u)
         latitude, longitude = where.latitude, where.longitude
         if isinstance(self.where, tuple) and not bool(self.world.at_sea(*self.where)):
-            # A ship's place in a harbour: the nearest sea.
+            # A place in a bight or harbour: the nearest sea.
             north, east, _ = self.world.nearest_sea(*self.where)
             latitude, longitude = np.full(latitude.shape, north), np.full(longitude.shape, east)
         drawn = self.world.draw(time_of_year(where.time), latitude, longitude, u["row"], u["cover"])
@@ -302,6 +309,11 @@ class LikelihoodModel:
         # Cached properties are copied: the other model need not have computed them before.
         self.__dict__.update({name: getattr(other, name) for name in _SHARED})
 
+    def reaching(self, wind: float) -> LikelihoodModel:
+        """Return the model with tables of air and sea up to a wind [m/s], at most the strongest of the law of slopes."""
+        top = min(_strongest(self.scenario), wind)
+        return self if top <= self.winds[1] else replace(self, winds=(self.winds[0], top))
+
     def of_months(self, months: tuple[int, ...]) -> LikelihoodModel:
         """Return the model for other months; tables of air and sea are shared."""
         settings = self.settings.model_copy(update={"months": months})
@@ -356,7 +368,8 @@ def _uses_world(scenario: Scenario, notes: list[str]) -> bool:
     where, world = _where(scenario), world_weather()
     if where is None:
         return False
-    if np.any(world.at_sea(*_cells_of(world, where))):
+    near = world.nearest_sea(*where)[2] <= NEAR_M if isinstance(where, tuple) else _cells_of(world, where)[0].size > 0
+    if near:
         notes.append("likelihood.weather is not given: the climatology 'world', monthly means of ships' observations")
         return True
     return False
@@ -365,7 +378,8 @@ def _uses_world(scenario: Scenario, notes: list[str]) -> bool:
 def _cells_of(world: WorldWeather, where: GeographicRegion | tuple[float, float] | None) -> tuple[FloatArray, FloatArray]:
     """Return places that stand for a law of the place: a point, or the middles of the cells inside a region [deg]."""
     if isinstance(where, tuple):
-        return np.array([where[0]]), np.array([where[1]])
+        at = where if bool(world.at_sea(*where)) else world.nearest_sea(*where)
+        return np.array([at[0]]), np.array([at[1]])
     north, east, _ = world.cells()
     if where is None:
         return north, east
@@ -389,9 +403,8 @@ def _about_world(scenario: Scenario, world: WorldWeather) -> list[str]:
     north, east = _cells_of(world, where)
     if isinstance(where, tuple):
         name = "likelihood.place" if settings.place is not None else "place"
-        world.require_sea(*where, name)
-        few = few_observations(world, *where, months)
-        return [*notes, few] if few else notes
+        *served, other = world.sea_at(*where, name)
+        return [*notes, *filter(None, (other, few_observations(world, served[0], served[1], months)))]
     if north.size == 0:
         assert where is not None  # the world has cells
         middle = 0.5 * (where.south + where.north), 0.5 * (where.west + where.east)
@@ -413,7 +426,11 @@ def _models_of_world(scenario: Scenario, world: WorldWeather) -> tuple[tuple[str
     names = [name for name, _ in model_atmospheres()]
     if not isinstance(scenario.atmosphere, TableAtmosphereSettings):
         return (scenario.atmosphere.source,), np.zeros(len(names), dtype=np.int64)
-    return tuple(names), np.arange(len(names))
+    north, east = _cells_of(world, _where(scenario))
+    # Tables of light cost some seconds for each model: those between the driest and the wettest air suffice. A track has all places.
+    there = world.at(np.arange(24.0)[:, None] / 2.0, north, east).model
+    first, last = int(there.min()), int(there.max())
+    return tuple(names[first : last + 1]), np.clip(np.arange(len(names)) - first, 0, last - first)
 
 
 def _winds_of_world(scenario: Scenario, world: WorldWeather, notes: list[str]) -> tuple[float, float]:
@@ -487,15 +504,13 @@ def _strongest(scenario: Scenario) -> float:
     """Return the strongest wind of the sea's slopes [m/s]."""
     law = scenario.sea.slopes
     if isinstance(law, SpectrumSlopes | FlatSlopes):
-        top = WIND_PROFILE[1] if isinstance(law, FlatSlopes) else NAVY_AEROSOL_WIND[1]
         if isinstance(law, SpectrumSlopes) and scenario.sea.spectrum.kind not in ("elfouhaily", "pierson-moskowitz", "jonswap"):
             raise ScenarioError(
                 f"sea.slopes.kind = 'spectrum' with sea.spectrum.kind = '{scenario.sea.spectrum.kind}': its waves do not follow "
                 "the weather's wind; choose a spectrum that does ('elfouhaily'), or slopes by wind"
             )
-    else:
-        top = WIND_PROFILE[1] if law.extrapolate else law.winds[1]
-    return top
+        return WIND_PROFILE[1] if isinstance(law, FlatSlopes) else NAVY_AEROSOL_WIND[1]
+    return WIND_PROFILE[1] if law.extrapolate else law.winds[1]
 
 
 def _air_of_strong_winds(scenario: Scenario, strongest: float, notes: list[str]) -> None:

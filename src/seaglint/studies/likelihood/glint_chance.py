@@ -8,7 +8,7 @@ with I = 1 where the mirrored Sun at the sensor exceeds a threshold, and clouds 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject
 from seaglint.climate import draws as by
-from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, illuminated, months_of
+from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, WeatherOfDraws, illuminated, months_of
 from seaglint.climate.draws import Estimate, SamplingPlan, estimate, strata
 from seaglint.climate.exceeding_azimuths import azimuth_shares
 from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes
+from seaglint.climate.importance import DensityTree, Warped
 from seaglint.climate.likelihood_summary import DrawnWeather, ExceededContrast, LikelihoodSummary, StratumChance, SunUp, ThresholdChance
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.model import Scenario
@@ -35,6 +36,17 @@ NEEDED_SHARES: Final = (0.5, 0.1, 0.05, 0.01, 0.001)  #: Shares of looks for whi
 
 #: Draws up to which azimuths = 'auto' integrates: some 4 s of processor time. A million single looks take less.
 INTEGRATED: Final = 131_072
+
+#: Chance below which a threshold is rare: draws are concentrated where glint exceeds it. The first is for drawn, the second for integrated
+#: azimuths. Even draws have as narrow intervals above it.
+RARE: Final = (0.05, 1e-3)
+
+_PILOT: Final = 16  #: Ratio of all draws to the draws of a round in which their density is found.
+_PILOTS: Final = (4096, 16_384)  #: Least and largest number of draws of such a round.
+_ROUNDS: Final = 16  #: Largest number of rounds.
+_BRIGHT: Final = 0.08  #: Share of the draws of a round that exceed the level of its glint [1].
+_BEFORE: Final = 0.3  #: Share of the probability that a round leaves to the density before [1].
+_UNIFORM: Final = 0.2  #: Share of the probability that remains uniform [1]: no draw weighs more than five even ones.
 
 _SHINES: Final = 0.5 * math.pi + 0.3  #: Zenith angle of the Sun beyond which no place in view can be lit [rad].
 
@@ -55,11 +67,17 @@ class Draws:
     height: FloatArray  #: Height of the sensor [m].
     #: Share of the azimuths [1] that exceed each threshold above 0 [W m-2 sr-1]; empty where azimuths are drawn.
     shares: Mapping[float, FloatArray]
+    aim: Aim | None = None  #: Density of the draws; None where they are even.
 
     @property
     def radiance(self) -> FloatArray:
         """Radiance of the mirrored Sun at the sensor [W m-2 sr-1]."""
         return self.sight.radiance
+
+    @property
+    def heaviest(self) -> float:
+        """Largest ratio of the density of even draws to that of these [1]."""
+        return 1.0 if self.aim is None else self.aim.tree.largest_weight
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +94,8 @@ class GlintLikelihood:
     @property
     def sun_up(self) -> Estimate:
         """Chance that the Sun's centre is above the horizon [1]."""
-        return estimate((self.draws.solar_zenith < 0.5 * math.pi).astype(np.float64), self.draws.plan, weight=self.draws.weight)
+        up = (self.draws.solar_zenith < 0.5 * math.pi).astype(np.float64)
+        return estimate(up, self.draws.plan, weight=self.draws.weight, heaviest=self.draws.heaviest)
 
     def summary(self) -> LikelihoodSummary:
         """Return plain numbers of everything but the draws."""
@@ -101,13 +120,14 @@ class GlintLikelihood:
             samples=plan.total,
             scramblings=plan.scramblings,
             azimuths="integrated" if self.draws.shares else "drawn",
+            sampling="even" if self.draws.aim is None else "towards glint",
             confidence=0.95,
             clouds=cloud_law(self.model),
             weather=DrawnWeather(
                 self.model.weather_name, 0 if self.model.table is None else len(self.model.table), list(self.model.models)
             ),
             strata=[stratum for of_threshold in self.strata for stratum in of_threshold],
-            notes=[*self.model.notes, *self._azimuth_notes],
+            notes=[*self.model.notes, *self._sampling_notes],
         )
 
     def as_dict(self) -> JsonObject:
@@ -124,11 +144,18 @@ class GlintLikelihood:
         return np.asarray(np.divide(total, count, out=np.full(288, np.nan), where=count > 0.0)).reshape(12, 24)
 
     @property
-    def _azimuth_notes(self) -> list[str]:
-        settings = self.model.settings
-        if self.draws.shares or settings.azimuths == "drawn" or not settings.integrates or self.draws.plan.total <= INTEGRATED:
-            return []
-        return [f"azimuths drawn: more than {INTEGRATED} draws; likelihood.azimuths = 'integrated' has narrower intervals and takes longer"]
+    def _sampling_notes(self) -> list[str]:
+        settings, aim, notes = self.model.settings, self.draws.aim, []
+        if aim is not None:
+            notes.append(
+                f"draws concentrated where glint exceeds the thresholds, with weights; {aim.draws} more draws found these conditions"
+            )
+        if not self.draws.shares and settings.azimuths != "drawn" and settings.integrates and self.draws.plan.total > INTEGRATED:
+            text = (
+                f"azimuths drawn: more than {INTEGRATED} draws; likelihood.azimuths = 'integrated' has narrower intervals and takes longer"
+            )
+            notes.append(text)
+        return notes
 
     @property
     def _looks_per_hour(self) -> float:
@@ -164,17 +191,20 @@ def likelihood(
     report(0, 3)
     model = model or LikelihoodModel.of(scenario, weather)
     report(1, 3)
-    drawn = draw(model)
+    drawn = draw(model, aim=aimed(model))
     report(2, 3)
     thresholds = model.settings.threshold_w_m2_sr
     values = tuple(draw_values(model, drawn, threshold) for threshold in thresholds)
-    estimates = tuple(estimate(v, drawn.plan, weight=drawn.weight) for v in values)
+    estimates = tuple(estimate(v, drawn.plan, weight=drawn.weight, heaviest=drawn.heaviest) for v in values)
     classes, of_looks = _classes(model, drawn), _classes_of_looks(drawn)
     # Classes of a single look, such as its azimuth, need values of that look even where azimuths are integrated.
     one_look = values if not drawn.shares else tuple(draw_values(model, replace(drawn, shares={}), t) for t in thresholds)
+
+    def divided(v: FloatArray, quantities: dict[str, tuple[FloatArray, FloatArray]], threshold: float) -> list[StratumChance]:
+        return strata(v, drawn.plan, quantities, threshold, weight=drawn.weight, heaviest=drawn.heaviest)
+
     by_threshold = tuple(
-        (*strata(v, drawn.plan, classes, t, weight=drawn.weight), *strata(one, drawn.plan, of_looks, t, weight=drawn.weight))
-        for t, v, one in zip(thresholds, values, one_look, strict=True)
+        (*divided(v, classes, t), *divided(one, of_looks, t)) for t, v, one in zip(thresholds, values, one_look, strict=True)
     )
     report(3, 3)
     return GlintLikelihood(model=model, draws=drawn, thresholds=thresholds, estimates=estimates, strata=by_threshold, values=values)
@@ -189,26 +219,121 @@ def cloud_law(model: LikelihoodModel) -> CloudLaw:
 
 
 def draw(
-    model: LikelihoodModel, *, samples: int | None = None, seed: int | None = None, plain: bool = False, azimuth: float | None = None
+    model: LikelihoodModel,
+    *,
+    samples: int | None = None,
+    seed: int | None = None,
+    plain: bool = False,
+    azimuth: float | None = None,
+    aim: Aim | None = None,
 ) -> Draws:
     """Draw conditions and evaluate their looks; an ``azimuth`` from the Sun [rad] replaces the scenario's law.
 
-    ``plain`` takes random numbers instead of Sobol points for the same integrand.
+    ``plain`` takes random numbers instead of Sobol points for the same integrand; ``aim`` is the density of the draws, even without it.
     """
     settings = model.settings
     plan = SamplingPlan.of(settings.samples if samples is None else samples)
     u = uniform_numbers(model, plan, model.scenario.seed if seed is None else seed, plain=plain)
-    whole = settings.azimuths == "integrated" or (settings.azimuths == "auto" and plan.total <= INTEGRATED)
-    whole = whole and settings.integrates and azimuth is None and "azimuth_from_sun_deg" not in model.looks
+    warped = None
+    if aim is not None:
+        u, warped = aim.warp(u)
     where = model.conditions(u, by_daylight=True)
-    return evaluated(model, u, where, plan, azimuth, integrated=whole)
+    drawn = evaluated(model, u, where, plan, azimuth, integrated=azimuth is None and _integrates(model, plan))
+    return drawn if warped is None else replace(drawn, weight=drawn.weight * warped.weight, aim=aim)
 
 
-def uniform_numbers(model: LikelihoodModel, plan: SamplingPlan, seed: int, *, plain: bool = False) -> dict[str, FloatArray]:
-    """Return uniform numbers of draws by name [(total,) each]; 0 for numbers on which the scenario does not depend."""
-    names = (*_varying(model), *(f"smooth_{name}" for name in model.bandwidth))
-    points = plan.uniform(len(names), seed, plain=plain)
+def _integrates(model: LikelihoodModel, plan: SamplingPlan) -> bool:
+    """Return true where azimuths are integrated."""
+    settings = model.settings
+    whole = settings.azimuths == "integrated" or (settings.azimuths == "auto" and plan.total <= INTEGRATED)
+    return whole and settings.integrates and "azimuth_from_sun_deg" not in model.looks
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """Density of uniform numbers that is concentrated where glint exceeds thresholds. Made by ``aimed``."""
+
+    names: tuple[str, ...]  #: Uniform numbers with this density; others remain uniform.
+    tree: DensityTree
+    draws: int  #: Number of draws with which it was found.
+
+    def warp(self, u: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], Warped]:
+        """Give uniform numbers of draws by name the density; return them, and their weights."""
+        warped = self.tree.warp(np.column_stack([u[name] for name in self.names]))
+        return u | {name: np.ascontiguousarray(warped.points[:, i]) for i, name in enumerate(self.names)}, warped
+
+
+def aimed(model: LikelihoodModel, *, samples: int | None = None, seed: int | None = None) -> Aim | None:
+    """Find a density of draws that suits the scenario's thresholds; None where even draws suit them.
+
+    Levels of radiance rise from round to round until they are the thresholds: each is exceeded by some percent of the draws of its round.
+    Draws are even if no threshold is rare, and if none is reached: the rounds have their own random numbers, so that draws with this
+    density have no bias.
+    """
+    settings = model.settings
+    thresholds = [t for t in settings.threshold_w_m2_sr if t > 0.0]
+    if not thresholds or settings.quantity == "detection":
+        return None
+    plan = SamplingPlan.of(settings.samples if samples is None else samples)
+    whole = _integrates(model, plan)
+    names = tuple(name for name in _numbers(model) if not (whole and name == "azimuth"))
+    pilot = SamplingPlan(1, int(np.clip(2 ** round(math.log2(plan.total / _PILOT)), *_PILOTS)))
+    seed = model.scenario.seed if seed is None else seed
+    aim, highest = Aim(names, DensityTree.even(), 0), 0.0
+    for turn in range(_ROUNDS):
+        u, warped = aim.warp(uniform_numbers(model, pilot, seed, purpose=f"likelihood pilot {turn}"))
+        where = model.conditions(u, by_daylight=True)
+        drawn = evaluated(model, u, where, pilot, _nearest_to_sun(model) if whole else None)
+        bright = np.sort(np.where(drawn.illuminated > 0.0, _brightness(model, drawn), 0.0))[::-1]
+        level = max(float(bright[int(_BRIGHT * pilot.total)]), 1e-6 * min(thresholds))
+        levels = [min(threshold, level) for threshold in thresholds]
+        if whole:
+            drawn = evaluated(model, u, where, pilot, integrated=True, levels=levels)
+        values, rare = np.zeros(pilot.total), False
+        for threshold, at in zip(thresholds, levels, strict=True):
+            each = drawn.weight * draw_values(model, drawn, at)
+            chance = float(np.mean(warped.weight * each))
+            rare = rare or at < threshold or chance < RARE[int(whole)]
+            values += each / chance if chance > 0.0 else 0.0
+        reached = levels == thresholds
+        if not rare and turn == 0:
+            return None
+        if not reached and bright[0] <= highest * 1.001 and bright[0] < min(thresholds):
+            return None
+        highest = max(highest, float(bright[0]))
+        aim = Aim(names, aim.tree.refined(warped, values, _BEFORE), aim.draws + pilot.total)
+        if reached:
+            break
+    return replace(aim, tree=aim.tree.mixed(_UNIFORM))
+
+
+def _nearest_to_sun(model: LikelihoodModel) -> float:
+    """Return the azimuth of the scenario's range that is the nearest to the Sun's [rad]."""
+    first, last = model.settings.azimuth_from_sun_deg
+    if first <= 360.0 * math.ceil(first / 360.0) <= last:
+        return 0.0
+    return math.radians(min(first, last, key=lambda azimuth: abs((azimuth + 180.0) % 360.0 - 180.0)))
+
+
+def _brightness(model: LikelihoodModel, drawn: Draws) -> FloatArray:
+    """Return the radiance that is compared with thresholds [W m-2 sr-1]."""
+    if model.settings.quantity == "mean":
+        return drawn.radiance
+    return drawn.radiance + model.settings.sigmas * pixel_deviation(model, drawn)
+
+
+def uniform_numbers(
+    model: LikelihoodModel, plan: SamplingPlan, seed: int, *, plain: bool = False, purpose: str = "likelihood", more: tuple[str, ...] = ()
+) -> dict[str, FloatArray]:
+    """Return uniform numbers of draws by name [(total,) each], with ``more`` names; 0 where the scenario does not depend on them."""
+    names = (*_numbers(model), *more)
+    points = plan.uniform(len(names), seed, plain=plain, purpose=purpose)
     return {name: np.zeros(plan.total) for name in DIMENSIONS} | {name: np.ascontiguousarray(points[:, i]) for i, name in enumerate(names)}
+
+
+def _numbers(model: LikelihoodModel) -> tuple[str, ...]:
+    """Return the names of the uniform numbers on which the draws of a scenario depend, noise of the smooth bootstrap included."""
+    return (*_varying(model), *(f"smooth_{name}" for name in model.bandwidth))
 
 
 def evaluated(
@@ -219,10 +344,16 @@ def evaluated(
     azimuth: FloatArray | float | None = None,
     *,
     integrated: bool = False,
+    levels: Sequence[float] | None = None,
+    weather: WeatherOfDraws | None = None,
 ) -> Draws:
-    """Evaluate looks in conditions that are drawn already; ``integrated`` evaluates the shares of their azimuths too."""
+    """Evaluate looks in conditions that are drawn already; ``integrated`` evaluates the shares of their azimuths too.
+
+    Shares are those above ``levels`` [W m-2 sr-1], or above the scenario's thresholds without them. ``weather`` replaces the weather of
+    the conditions, of which time and place remain.
+    """
     settings = model.settings
-    wind, cover, wind_from, air = model.weather(where, u)
+    wind, cover, wind_from, air = model.weather(where, u) if weather is None else weather
     missing = model.scenario.wind.from_deg if model.gives_wind_direction else 360.0 * u["wind"]
     # Winds are named by where they come from.
     wind_to = np.radians(np.where(np.isnan(wind_from), missing, wind_from) + 180.0)
@@ -253,13 +384,15 @@ def evaluated(
         azimuth_from_sun=relative,
         solar_azimuth=towards,
         height=height,
-        shares=_shares(model, chosen, at, wind.size) if integrated else {},
+        shares=_shares(model, chosen, at, wind.size, settings.threshold_w_m2_sr if levels is None else levels) if integrated else {},
     )
 
 
-def _shares(model: LikelihoodModel, chosen: FloatArray, at: NDArray[np.intp], total: int) -> dict[float, FloatArray]:
+def _shares(
+    model: LikelihoodModel, chosen: FloatArray, at: NDArray[np.intp], total: int, levels: Sequence[float]
+) -> dict[float, FloatArray]:
     """Return shares of azimuths by threshold above 0; 0 where the Sun is down or behind clouds for sure."""
-    thresholds = [t for t in model.settings.threshold_w_m2_sr if t > 0.0]
+    thresholds = [t for t in levels if t > 0.0]
     if not thresholds:
         return {}
     first, last = np.radians(model.settings.azimuth_from_sun_deg).tolist()

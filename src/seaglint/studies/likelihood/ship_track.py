@@ -1,109 +1,51 @@
-"""Glint along a ship's track: its chance at every time, its duration, and the time until it returns."""
+"""Glint along a ship's track: its chance at every time, its duration and the time until it returns, in the climatology and a forecast."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final
 
 import numpy as np
+from scipy.special import ndtri
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.base.free_form import JsonObject, TableRow
+from seaglint.base.free_form import number
 from seaglint.base.parameters import documented
+from seaglint.climate.conditions import WeatherOfDraws
 from seaglint.climate.draws import SamplingPlan
-from seaglint.climate.ephemeris import Ephemeris
+from seaglint.climate.ephemeris import Ephemeris, SunPositions
+from seaglint.climate.track_chances import ForecastChance, ForecastHours, GlintHours, TrackChance, TrackChances, spells
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.climate.world_weather import NAME
+from seaglint.formats.weather.forecast_weather import ForecastWeather, read_forecast
 from seaglint.formats.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel, likelihood_table
 from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 SAMPLES: Final = 1024  #: Draws at each time.
 
 _NEEDED: Final = ("time_utc", "latitude_deg", "longitude_deg")
 _BEARING: Final = "bearing_deg"
-
-
-@dataclass(frozen=True)
-class TrackChance:
-    """Chance of glint at one time of a track."""
-
-    time_utc: str  #: Time in ISO 8601.
-    latitude_deg: float  #: Latitude [deg].
-    longitude_deg: float  #: Longitude [deg].
-    sun_elevation_deg: float  #: Elevation of the Sun [deg].
-    threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
-    probability: float  #: Chance that glint exceeds it [1].
-
-
-class Spells(NamedTuple):
-    """Mean duration of glint and mean time from its end to its return [h]; None without glint, or without a return."""
-
-    mean_duration_hours: float | None
-    mean_return_hours: float | None
-
-
-@dataclass(frozen=True)
-class GlintHours:
-    """Hours with glint along a track."""
-
-    threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
-    hours: float  #: Expected time with glint above it [h].
-    mean_duration_hours: float | None  #: Mean duration of glint [h]; None without glint.
-    mean_return_hours: float | None  #: Mean time from the end of glint to its return [h]; None without a return.
-
-
-@dataclass(frozen=True)
-class TrackChances:
-    """Chances of glint along a ship's track."""
-
-    hours: float  #: Length of the track [h].
-    results: list[GlintHours]  #: Hours with glint of each threshold.
-    way: list[TrackChance]  #: Chances by time and threshold.
-    notes: list[str]  #: Remarks.
-
-    def rows(self) -> list[TableRow]:
-        """Return the track as a tidy table: a row for each time and threshold."""
-        return [asdict(chance) for chance in self.way]
-
-    def as_dict(self) -> JsonObject:
-        """Return plain numbers and text."""
-        return asdict(self)
-
-    def dataset(self) -> xr.Dataset:
-        """Return the track as a dataset: ``probability`` over ``threshold`` and ``time``, places, and hours with glint by threshold."""
-        import xarray as xr
-
-        thresholds = [row.threshold_w_m2_sr for row in self.results]
-        first = [chance for chance in self.way if chance.threshold_w_m2_sr == thresholds[0]]
-        probability = [[chance.probability for chance in self.way if chance.threshold_w_m2_sr == value] for value in thresholds]
-        places = ("latitude_deg", "longitude_deg", "sun_elevation_deg")
-        spans = ("hours", "mean_duration_hours", "mean_return_hours")
-        return xr.Dataset(
-            {
-                "probability": (("threshold", "time"), probability, {"units": "1", "long_name": "chance that glint exceeds the threshold"}),
-                **{name: ("time", [getattr(chance, name) for chance in first], {"units": "degree"}) for name in places},
-                **{name: ("threshold", [getattr(row, name) or math.nan for row in self.results], {"units": "h"}) for name in spans},
-            },
-            {
-                "threshold": ("threshold", thresholds, {"units": "W m-2 sr-1"}),
-                "time": ("time", np.array([chance.time_utc.removesuffix("Z") for chance in first], "datetime64[ns]")),
-            },
-            {"title": "Chance of glint along a way", "hours": self.hours, "notes": "\n".join(self.notes)},
-        )
+_ERRORS: Final = ("wind_error", "cover_error")  #: Uniform numbers of the errors of a forecast.
 
 
 @documented(LikelihoodRequest)
-def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weather: WeatherTable | None = None) -> TrackChances:
+def along_track(
+    scenario: Scenario,
+    track: Path,
+    *,
+    forecast: Path | None = None,
+    wind_spread: float = 0.0,
+    cover_spread: float = 0.0,
+    samples: int = SAMPLES,
+    weather: WeatherTable | None = None,
+) -> TrackChances:
     """Return chances at the times of a track, with durations and returns of each threshold.
 
     Parameters
@@ -119,13 +61,46 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     Returns
     -------
     TrackChances
-        Chances along the track and hours with glint; the same draws of weather and geometry are followed from time to time.
+        Chances along the track and hours with glint; the same draws of weather and geometry are followed from time to time. A forecast
+        adds its own chances: each draw follows one of its members, and the same errors about it, along the whole track.
 
     Raises
     ------
     DataError
-        A file that lacks columns, or has times without a zone, unsorted or outside the years of the ephemeris.
+        A file that lacks columns, or has times without a zone, unsorted or outside the years of the ephemeris; a forecast that does not
+        cover the track.
     """
+    course = _course(track)
+    likelihood_table(scenario)  # refused after the file of the track
+    ahead = None if forecast is None else read_forecast(forecast, course.time, course.latitude, course.longitude)
+    model = LikelihoodModel.of(_of_track(scenario, weather), weather)
+    plan = SamplingPlan.of(samples)
+    u = _numbers(model, course, plan)
+    values = _values(model, course, plan, u)
+    if forecast is None or ahead is None:
+        return _together(course, model, values, list(model.notes))
+    spread = wind_spread > 0.0 or cover_spread > 0.0
+    stronger = model.reaching(float(ahead.wind_speed_m_s.max()) + 3.0 * wind_spread)
+    # More numbers would change the points of the climatology, which do not depend on a forecast.
+    u = _numbers(stronger, course, plan, more=_ERRORS) if spread else u
+    of_forecast = _values(stronger, course, plan, u, lambda row, own: _ahead(own, ahead, row, u, wind_spread, cover_spread))
+    return _together(course, model, values, [*model.notes, *_notes(forecast, ahead, wind_spread, cover_spread)], ahead, of_forecast)
+
+
+@dataclass(frozen=True, eq=False)
+class _Course:
+    """Times and places of a track, with the Sun [(times,) each]."""
+
+    time: FloatArray  #: Since 1970-01-01 UTC [s].
+    latitude: FloatArray  #: North positive [deg].
+    longitude: FloatArray  #: East positive [deg].
+    bearing: FloatArray | None  #: Bearing of the look, clockwise from north [deg]; None where the scenario's azimuths count.
+    sky: Ephemeris
+    sun: SunPositions
+
+
+def _course(track: Path) -> _Course:
+    """Read the file of a track."""
     cells = read_cells(track)
     for name in _NEEDED:
         if name not in cells.header:
@@ -133,42 +108,85 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     time = _times(cells)
     latitude, longitude = _within(cells, "latitude_deg", 90.0), _within(cells, "longitude_deg", 360.0)
     bearing = _within(cells, _BEARING, 360.0) if _BEARING in cells.header else None
-    likelihood_table(scenario)  # refused after the file of the track
-    model = LikelihoodModel.of(_of_track(scenario, weather), weather)
     sky = Ephemeris.between(float(time[0]), float(time[-1]))
-    thresholds = model.settings.threshold_w_m2_sr
-    chance = np.empty((time.size, len(thresholds)))
-    lit: list[list[FloatArray]] = [[] for _ in thresholds]
-    way: list[TrackChance] = []
-    plan = SamplingPlan.of(samples)
+    return _Course(time, latitude, longitude, bearing, sky, sky.at(time, latitude, longitude))
+
+
+def _numbers(model: LikelihoodModel, course: _Course, plan: SamplingPlan, *, more: tuple[str, ...] = ()) -> dict[str, FloatArray]:
+    """Return the uniform numbers of the draws, the same ones at all times."""
     # Cached properties of the model are set to each time and place: its tables of air and sea stay.
-    model.__dict__.update(when=float(time[0]), where=(0.0, 0.0), ephemeris=sky)
-    u = uniform_numbers(model, plan, scenario.seed)
-    for i, moment in enumerate(time.tolist()):
-        model.__dict__.update(when=moment, where=(float(latitude[i]), float(longitude[i])))
-        sun = sky.at(moment, latitude[i], longitude[i])
-        look = None if bearing is None else float(np.radians(bearing[i]) - sun.azimuth[0])
-        drawn = evaluated(model, u, model.conditions(u), plan, look)
+    model.__dict__.update(when=float(course.time[0]), where=(0.0, 0.0), ephemeris=course.sky)
+    return uniform_numbers(model, plan, model.scenario.seed, more=more)
+
+
+def _values(
+    model: LikelihoodModel,
+    course: _Course,
+    plan: SamplingPlan,
+    u: dict[str, FloatArray],
+    forecast: Callable[[int, WeatherOfDraws], WeatherOfDraws] | None = None,
+) -> FloatArray:
+    """Return the quantity that is averaged [1, (thresholds, times, draws)]; ``forecast`` replaces weather at a time."""
+    thresholds = model.settings.threshold_w_m2_sr
+    out = np.empty((len(thresholds), course.time.size, plan.total))
+    for i, moment in enumerate(course.time.tolist()):
+        model.__dict__.update(when=moment, where=(float(course.latitude[i]), float(course.longitude[i])), ephemeris=course.sky)
+        look = None if course.bearing is None else float(np.radians(course.bearing[i]) - course.sun.azimuth[i])
+        where = model.conditions(u)
+        weather = model.weather(where, u)
+        if forecast is not None:
+            weather = forecast(i, weather)
+        drawn = evaluated(model, u, where, plan, look, weather=weather)
         for t, threshold in enumerate(thresholds):
-            values = draw_values(model, drawn, threshold)
-            chance[i, t] = values.mean()
-            lit[t].append(values)
-            way.append(
-                TrackChance(
-                    time_utc=datetime.fromtimestamp(moment, UTC).isoformat().replace("+00:00", "Z"),
-                    latitude_deg=float(latitude[i]),
-                    longitude_deg=float(longitude[i]),
-                    sun_elevation_deg=90.0 - float(np.degrees(sun.zenith[0])),
-                    threshold_w_m2_sr=threshold,
-                    probability=float(chance[i, t]),
-                )
-            )
-    step = _steps(time)
-    results = [
-        GlintHours(threshold, float(chance[:, t] @ step), *spells(np.stack(lit[t], axis=1) > 0.0, step))
+            out[t, i] = draw_values(model, drawn, threshold)
+    return out
+
+
+def _together(
+    course: _Course,
+    model: LikelihoodModel,
+    values: FloatArray,
+    notes: list[str],
+    ahead: ForecastWeather | None = None,
+    of_forecast: FloatArray | None = None,
+) -> TrackChances:
+    """Return the chances and hours of a track from the values of its draws, with those of a forecast where there is one."""
+    step, thresholds = _steps(course.time), model.settings.threshold_w_m2_sr
+    chance, elevation = values.mean(axis=2), 90.0 - np.degrees(course.sun.zenith)
+    way = [
+        TrackChance(
+            time_utc=datetime.fromtimestamp(moment, UTC).isoformat().replace("+00:00", "Z"),
+            latitude_deg=float(course.latitude[i]),
+            longitude_deg=float(course.longitude[i]),
+            sun_elevation_deg=float(elevation[i]),
+            threshold_w_m2_sr=threshold,
+            probability=float(chance[t, i]),
+        )
+        for i, moment in enumerate(course.time.tolist())
         for t, threshold in enumerate(thresholds)
     ]
-    return TrackChances(float(step.sum()), results, way, list(model.notes))
+    hours = [GlintHours(threshold, float(chance[t] @ step), *spells(values[t].T > 0.0, step)) for t, threshold in enumerate(thresholds)]
+    if ahead is not None and of_forecast is not None:
+        chance, (wind, come), cover = of_forecast.mean(axis=2), ahead.mean_wind(), ahead.cloud_cover.mean(axis=1)
+        way = [
+            ForecastChance(
+                **asdict(one),
+                forecast_probability=float(chance[n % len(thresholds), n // len(thresholds)]),
+                wind_speed_m_s=float(wind[n // len(thresholds)]),
+                wind_from_deg=number(come[n // len(thresholds)]),
+                cloud_cover=float(cover[n // len(thresholds)]),
+            )
+            for n, one in enumerate(way)
+        ]
+        hours = [
+            ForecastHours(
+                **asdict(one),
+                forecast_hours=float(chance[t] @ step),
+                **{f"forecast_{name}": value for name, value in spells(of_forecast[t].T > 0.0, step)._asdict().items()},
+            )
+            for t, one in enumerate(hours)
+        ]
+    return TrackChances(float(step.sum()), hours, way, notes)
 
 
 def _of_track(scenario: Scenario, weather: WeatherTable | None) -> Scenario:
@@ -178,25 +196,29 @@ def _of_track(scenario: Scenario, weather: WeatherTable | None) -> Scenario:
     return scenario.model_copy(update={"sun": None, "time": None, "place": None, "likelihood": settings.model_copy(update=update)})
 
 
-def spells(glints: np.ndarray, hours: FloatArray) -> Spells:
-    """Return the mean duration of glint and the mean time from its end to its return [h], over followed draws [(draws, times)].
+def _ahead(
+    own: WeatherOfDraws, ahead: ForecastWeather, row: int, u: dict[str, FloatArray], wind_spread: float, cover_spread: float
+) -> WeatherOfDraws:
+    """Return the weather of every draw at a row of the track, from its member with its errors; the air is the climatology's."""
+    # Not by turns: the order of Sobol points follows their first digits.
+    member = np.minimum((u["row"] * ahead.members).astype(np.intp), ahead.members - 1)
+    wind, come, cover = (of[row, member] for of in (ahead.wind_speed_m_s, ahead.wind_from_deg, ahead.cloud_cover))
+    if wind_spread > 0.0 or cover_spread > 0.0:
+        errors = [ndtri(np.clip(u[name], 1e-12, 1.0 - 1e-12)) for name in _ERRORS]
+        # Winds are reflected at the calm. Covers end at clear and overcast, which are states with chances of their own.
+        wind, cover = np.abs(wind + wind_spread * errors[0]), np.clip(cover + cover_spread * errors[1], 0.0, 1.0)
+    return own._replace(wind=wind, cover=cover, wind_from=come)
 
-    Both are None without glint. Spells cut by an end of the track count with their observed part; only gaps between two spells are returns.
 
-    >>> spells(np.array([[True, False, False, True]]), np.ones(4))
-    Spells(mean_duration_hours=1.0, mean_return_hours=2.0)
-    """
-    # Without glint before and after the track, every spell has a begin and an end.
-    change = np.diff(np.pad(glints, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-    draws, begin = np.nonzero(change == 1)
-    end = np.nonzero(change == -1)[1]
-    if begin.size == 0:
-        return Spells(None, None)
-    clock = np.concatenate([[0.0], np.cumsum(hours)])
-    # A gap between spells of two draws is no return.
-    again = draws[1:] == draws[:-1]
-    gaps = clock[begin[1:]] - clock[end[:-1]]
-    return Spells(float(np.mean(clock[end] - clock[begin])), float(np.mean(gaps[again])) if again.any() else None)
+def _notes(path: Path, ahead: ForecastWeather, wind_spread: float, cover_spread: float) -> list[str]:
+    notes = [f"{path.name}: {note}" for note in ahead.notes]
+    errors = f"standard deviations about it {wind_spread:g} m/s and {cover_spread:g} of the sky"
+    if ahead.members > 1:
+        spread = f", {errors}" if wind_spread > 0.0 or cover_spread > 0.0 else ""
+        return [*notes, f"{path.name}: {ahead.members} members, each as likely{spread}"]
+    if wind_spread > 0.0 or cover_spread > 0.0:
+        return [*notes, f"{path.name}: one state, {errors}"]
+    return [*notes, f"{path.name}: one state, taken as certain; wind_spread and cover_spread state its errors"]
 
 
 def _steps(time: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import filecmp
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,7 +15,7 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.climate import table_summary
 from seaglint.climate.weather_columns import model_atmosphere
 from seaglint.climate.weather_selection import Selection, covered
-from seaglint.climate.weather_table import MONTHS, NEEDED, RANGES, TEXTS, TextArray, WeatherTable
+from seaglint.climate.weather_table import NEEDED, RANGES, TEXTS, TextArray, WeatherTable, stand_ins_told
 from seaglint.formats.weather import era5_weather as era5
 from seaglint.formats.weather.weather_cells import WeatherSource
 from seaglint.formats.weather.weather_file import WeatherFile, WeatherReading, is_grid, read_source, read_weather
@@ -70,7 +71,8 @@ def build(
         A package that is not installed.
     """
     selection, reading = selection or Selection(), reading or WeatherReading()
-    notes = [f"made by seaglint {__version__} of {', '.join(path.name for path in paths)}"]
+    paths, copies = _once(paths)
+    notes = [f"made by seaglint {__version__} of {', '.join(path.name for path in paths)}", *copies]
     if words := selection.words:
         notes.append("selected: " + "; ".join(words))
     sources = [_of_region(source, selection.region) for source in _sources(paths, selection, reading)]
@@ -93,6 +95,26 @@ def build(
     except DomainError as error:
         raise DataError(str(error)) from None
     return Built(table, (*notes, *_lacking(table, selection)))
+
+
+def _once(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
+    """Return the files without copies of earlier ones, whose rows would count twice, and notes on those."""
+    kept: list[Path] = []
+    notes = []
+    for path in paths:
+        same = next((other for other in kept if _same_content(path, other)), None)
+        if same is None:
+            kept.append(path)
+        else:
+            notes.append(f"{path.name}: is the same as {same.name} given before, and is used once")
+    return kept, notes
+
+
+def _same_content(path: Path, other: Path) -> bool:
+    try:
+        return path.samefile(other) or filecmp.cmp(path, other, shallow=False)
+    except OSError:  # the reader reports a file that cannot be read
+        return False
 
 
 def _sources(paths: Sequence[Path], selection: Selection, reading: WeatherReading) -> list[WeatherSource]:
@@ -185,9 +207,8 @@ def _lacking(table: WeatherTable, selection: Selection) -> list[str]:
     if not present:
         notes.append("no months: every row serves all the year")
         return notes
-    if missing := [m for m in selection.months or range(1, 13) if m not in present]:
-        used = table.month_used
-        notes.append("no rows in " + ", ".join(f"{MONTHS[m - 1]} (draws in that month use {MONTHS[used[m] - 1]})" for m in missing))
+    if any(m not in present for m in selection.months or range(1, 13)):
+        notes.append(stand_ins_told(table.stand_ins))
     return notes
 
 
@@ -210,7 +231,7 @@ def describe(path: str | Path) -> tuple[WeatherFile, table_summary.WeatherFacts]
         weight_sum=table.weight_sum,
         covers=covered(table.columns),
         months=list(table.months),
-        missing_months={MONTHS[m - 1]: MONTHS[table.month_used[m] - 1] for m in table.missing_months},
+        missing_months=table.stand_ins,
         regions=sorted({str(name) for name in table.text("region")} - {""}),
         atmospheres=_shares(table, "atmosphere"),
         columns={name: _numbers(table, name) for name in table.columns if name != "weight"},

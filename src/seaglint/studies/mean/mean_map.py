@@ -214,8 +214,17 @@ def _wave_file(scenario: Scenario) -> dict[str, str | int]:
     if not used:
         _log.warning("the waves of %s are not used: slopes are the wind's (sea.slopes.kind = 'spectrum' takes the waves')", spectrum.path)
     # The digest identifies the waves where the file moves or changes.
-    digest = hashlib.sha256(Path(spectrum.path).read_bytes()).hexdigest()
-    return {"wave_file": str(spectrum.path), "wave_file_sha256": digest, "measured_waves_used": int(used)}
+    return {"wave_file": str(spectrum.path), "wave_file_sha256": _digest(Path(spectrum.path)), "measured_waves_used": int(used)}
+
+
+def _digest(path: Path) -> str:
+    """Return the digest of a file; of the folder of a store, of the names and contents of all its files."""
+    if path.is_file():
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    digest = hashlib.sha256()
+    for file in sorted(part for part in path.rglob("*") if part.is_file()):
+        digest.update(file.relative_to(path).as_posix().encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()
 
 
 def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, progress: Progress | None) -> dict[str, FloatArray]:
