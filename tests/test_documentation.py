@@ -33,6 +33,9 @@ TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 RUN_HERE = ["README.md", "docs/guide/python.md", "docs/guide/radiometer.md", "docs/guide/ensembles.md", "docs/guide/workbench.md"]
 """Pages whose Python the quick suite runs, in a folder with a small scenario."""
 
+FOLLOWED = [*TUTORIALS, DOCS / "guide" / "likelihood.md"]
+"""Pages of which each runs alone, its commands included."""
+
 VISITED = ["README.md", "docs/guide/tour.md"]
 """Pages that a visitor follows in order."""
 
@@ -144,7 +147,7 @@ def test_longer_python_on_the_page_runs(page: str, tmp_path: Path, monkeypatch: 
 
 
 @pytest.mark.validation
-@pytest.mark.parametrize("page", TUTORIALS, ids=lambda p: p.stem)
+@pytest.mark.parametrize("page", FOLLOWED, ids=lambda p: p.stem)
 def test_a_tutorial_runs_and_prints_what_it_shows(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     run(page.read_text(encoding="utf-8"), tmp_path)
@@ -180,7 +183,7 @@ def test_blocks_run_or_say_why_not(page: Path) -> None:
     runs = set()
     if name in (*RUN_HERE, *RUN_LONG):
         runs = {"python"}
-    if page in TUTORIALS or name in VISITED:
+    if page in FOLLOWED or name in VISITED:
         runs = {"python", "sh"}
     silent = [block.body for block in blocks(text) if asks_to_run(block) and block.kind not in runs and not block.reason and not block.file]
     assert silent == [], "put <!-- not run: REASON --> in the line before, or let the page run"

@@ -6,8 +6,9 @@
 ``demo.png`` is the picture of ``./run demo`` (its first frame), ``mean.png`` that of ``seaglint mean examples/demo.toml --preview``,
 ``fig2.png`` to ``fig4.png``, ``fig10.png``, ``fig12.png`` (some minutes) and ``measured.png`` those of ``seaglint reproduce``,
 ``near_horizon.png`` that of ``docs/data/near_horizon.csv``, ``clutter_*.png`` pictures of ``seaglint analyze --report`` of the demo's four
-seconds (which take some minutes to render), ``likelihood_regions.png`` glint in three regions of the sea, ``dataset_examples.png`` the
-sheet of a data set of the first 18 scenes of ``examples/small-objects.toml`` (some minutes).
+seconds (which take some minutes to render), ``likelihood_regions.png`` glint in three regions of the sea, ``glint_atlas.png`` over the
+world in January and July (coastlines need the extra ``maps``), ``best_looks.png`` by bearing at one place and date,
+``dataset_examples.png`` the sheet of a data set of the first 18 scenes of ``examples/small-objects.toml`` (some minutes).
 
 ``video`` makes the first page's ten seconds of the demo (some minutes): ``docs/_static/demo.mp4`` with its picture ``demo.jpg``.
 """
@@ -22,12 +23,13 @@ import tempfile
 import tomllib
 from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pictures import renew, save
 
 if TYPE_CHECKING:
     from seaglint.analysis import Analysis
+    from seaglint.scenario.model import Scenario
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = ROOT / "examples" / "demo.toml"
@@ -121,6 +123,37 @@ def likelihood_regions(folder: Path) -> Path:
     return output
 
 
+def glint_scenario(**wanted: Any) -> Scenario:
+    """Looks in 3-5 um from 30 m, with the climatology of the world's seas."""
+    from seaglint.scenario.load import parse_scenario
+
+    settings = {"weather": "world", "threshold_w_m2_sr": [0.25]} | wanted
+    return parse_scenario({"band": {"min_um": 3.0, "max_um": 5.0}, "sensor": {"height_m": 30.0}, "likelihood": settings})
+
+
+def glint_atlas(folder: Path) -> Path:
+    """Glint over the world's seas in January and July, of looks near the Sun's azimuth; prints the means by latitude."""
+    from seaglint.plot.likelihood_maps import write_map
+    from seaglint.studies.likelihood.chance_map import likelihood_map
+
+    chances, output = likelihood_map(glint_scenario(months=[1, 7], azimuth_from_sun_deg=[-15, 15])), folder / "glint_atlas.png"
+    write_map(chances, output)
+    for month, values in zip((1, 7), chances.probability[0].mean("longitude").values, strict=True):
+        print(f"month {month}", *(f"{p:.3f}" for p in values))
+    return output
+
+
+def best_looks(folder: Path) -> Path:
+    """Glint by bearing, hour and depression at one place and date; prints the best looks."""
+    from seaglint.plot.likelihood_maps import write_best
+    from seaglint.studies.likelihood.best_looks import best_looks as computed
+
+    looks, output = computed(glint_scenario(place=[45, -30], depression_deg=[1.5, 15]), date="2026-04-15"), folder / "best_looks.png"
+    write_best(looks, output)
+    print("\n".join(looks.lines()))
+    return output
+
+
 def dataset_examples(folder: Path) -> Path:
     """Sheet of a data set; prints its card."""
     from seaglint.scenario.ensemble_file import parse_ensemble
@@ -155,7 +188,7 @@ def video(folder: Path) -> None:
 
 def main(names: list[str]) -> None:
     """Draw those named, or all."""
-    others = (near_horizon, likelihood_regions, dataset_examples)
+    others = (near_horizon, likelihood_regions, glint_atlas, best_looks, dataset_examples)
     pictures = (
         {"demo": render, "mean": mean}
         | {draw.__name__: draw for draw in others}

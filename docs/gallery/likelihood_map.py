@@ -1,7 +1,7 @@
 """How often glint, where and when.
 
-Chance that a look near the Sun's azimuth meets more than 0.25 W m⁻² sr⁻¹ of glint, with the packaged North Atlantic table.
-That table knows months but no places, so that only the Sun changes with latitude.
+Chance that a look near the Sun's azimuth meets more than 0.25 W m⁻² sr⁻¹ of glint, with the climatology of the world's seas.
+Wind, cloud and Sun change with place and month; land has no value.
 """
 
 import os
@@ -22,6 +22,7 @@ scene = sg.load(
             "azimuth_from_sun_deg": [-15, 15],
             "latitudes_deg": [40, 60] if SMALL else [30, 70],
             "longitudes_deg": [-40, -20] if SMALL else [-60, -10],
+            "months": [1, 4, 7, 10],
         },
     }
 )
@@ -43,6 +44,7 @@ for axes, (month, name) in zip(
         vmin=0,
         vmax=chance.max(),
     )
+    axes.set_facecolor("0.8")
     axes.set(title=name, xlabel="longitude [deg]", ylabel="latitude [deg]")
 figure.colorbar(shown, ax=panels, label="looks that meet glint [%]")
 figure.savefig("likelihood_map.png", dpi=90)

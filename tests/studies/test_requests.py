@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import pytest
 
 from seaglint.base.parameters import Parameter, documented
+from seaglint.studies.likelihood.best_looks import best_looks
 from seaglint.studies.likelihood.chance_map import likelihood_map
 from seaglint.studies.likelihood.ship_track import along_track
 from seaglint.studies.mean.evaluate_cases import evaluate_atmosphere, evaluate_emissivity, evaluate_mean, evaluate_scattered
@@ -31,6 +32,7 @@ FUNCTIONS: list[tuple[Callable[..., Any], type, set[str]]] = [
     (evaluate_scattered, BandsRequest, {"bands", "extrapolate"}),
     (likelihood_map, LikelihoodRequest, {"step"}),
     (along_track, LikelihoodRequest, {"track", "forecast", "wind_spread", "cover_spread"}),
+    (best_looks, LikelihoodRequest, {"date"}),
 ]
 
 

@@ -43,7 +43,8 @@ def draw_map(dataset: xr.Dataset) -> Figure:
     edges = [_edges(chance[name].to_numpy()) for name in ("longitude", "latitude")]
     wide, high = (abs(float(edge[-1] - edge[0])) for edge in edges)
     # Panels have the shape of the region in degrees, within limits.
-    figure = new_figure(3.2 * columns, rows * min(max(3.2 * high / wide, 1.4), 4.0) + 1.0)
+    width = 3.2 if columns > 2 else 5.0
+    figure = new_figure(width * columns + 0.8, rows * min(max(width * high / wide, 1.4), 5.0) + 1.0)
     panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel().tolist()
     colours, extend = _colours(chance.to_numpy())
     lines = coastlines(wide)
