@@ -199,6 +199,7 @@ def test_a_plain_name_without_a_height_is_reported(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("length", [3, 100, 1500])
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_a_cut_file_is_refused_in_a_line(tmp_path: Path, length: int) -> None:
     path = made.wgrib2(tmp_path / "f.nc", made.fields())
     path.write_bytes(path.read_bytes()[:length])

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import sys
 import traceback
+import warnings
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
@@ -64,12 +65,14 @@ def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
 
 
 def drop_quietly(error: BaseException | None) -> None:
-    """Discard a file that failed to open: h5netcdf would complain on standard error when it is collected."""
+    """Discard a file that failed to open: h5netcdf and scipy would complain on standard error when it is collected."""
     before, sys.unraisablehook = sys.unraisablehook, lambda _: None
     try:
-        while error is not None:
-            traceback.clear_frames(error.__traceback__)
-            error = error.__cause__ or error.__context__
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            while error is not None:
+                traceback.clear_frames(error.__traceback__)
+                error = error.__cause__ or error.__context__
     finally:
         sys.unraisablehook = before
 
