@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import njit
 
-_LEAVES: Final = 128  #: Largest number of leaves.
+_LEAVES: Final = 128  #: Largest number of leaves that a round adds.
 _BINS: Final = 8  #: Parts of a side of a cell at whose borders it can be divided.
 _FEW: Final = 5  #: Hits for each coordinate below which a cell is not divided: with more coordinates more gatherings are chance.
 _PRIOR: Final = 16.0  #: Hits, spread evenly over a cell, that are added to those seen: chance gatherings are no structure.
@@ -211,7 +211,7 @@ class _Growth:
         total = float(_roots(*(np.array(each)[leaves] for each in (self.volume, self.first, self.second))).sum())
         for node in leaves:
             offer(node)
-        count = len(leaves)
+        count = 0
         while heap and count < _LEAVES:
             _, node, split = heapq.heappop(heap)
             if split.gain < _GAIN * total:
