@@ -112,8 +112,12 @@ class WorldWeather:
         return np.asarray(_FIRST[1] + CELL[1] * np.arange(_SHAPE[1]))
 
     def cell_of(self, latitude: ArrayLike, longitude: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Indices of the cells of places [deg]; the row is -1 or beyond the last where a place is beyond the grid."""
-        row = np.floor((np.asarray(latitude, dtype=np.float64) - _FIRST[0]) / CELL[0] + 0.5).astype(np.intp)
+        """Indices of the cells of places [deg]; the row is -1 or beyond the last where a place is beyond the grid.
+
+        The border in the north belongs to the last row.
+        """
+        y = (np.asarray(latitude, dtype=np.float64) - _FIRST[0]) / CELL[0] + 0.5
+        row = np.where(y == _SHAPE[0], _SHAPE[0] - 1, np.floor(y)).astype(np.intp)
         column = np.floor((np.asarray(longitude, dtype=np.float64) - _FIRST[1]) / CELL[1] + 0.5).astype(np.intp) % _SHAPE[1]
         return row, column
 

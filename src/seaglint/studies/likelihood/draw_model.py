@@ -391,12 +391,16 @@ def _cells_of(world: WorldWeather, where: GeographicRegion | tuple[float, float]
     return north[inside], east[inside]
 
 
+def _months(scenario: Scenario) -> tuple[int, ...]:
+    """Return the months of the draws: that of a stated time, those of the scenario, or all."""
+    if scenario.sun is None and scenario.time is not None:
+        return (scenario.time.utc.month,)
+    return likelihood_table(scenario).months or tuple(range(1, 13))
+
+
 def _about_world(scenario: Scenario, world: WorldWeather) -> list[str]:
     """Return notes on the climatology at the places of a scenario; a place or region without sea is refused."""
-    settings, where = likelihood_table(scenario), _where(scenario)
-    months = settings.months or tuple(range(1, 13))
-    if settings.months is None and scenario.time is not None:
-        months = (scenario.time.utc.month,)
+    settings, where, months = likelihood_table(scenario), _where(scenario), _months(scenario)
     notes = []
     if settings.smooth:
         notes.append("likelihood.smooth = true has no effect: the climatology 'world' has continuous laws")
@@ -436,7 +440,7 @@ def _models_of_world(scenario: Scenario, world: WorldWeather) -> tuple[tuple[str
 def _winds_of_world(scenario: Scenario, world: WorldWeather, notes: list[str]) -> tuple[float, float]:
     """Return the winds of seas and air, as ``_winds``; the share of stronger ones is that of the laws."""
     top, (north, east) = _strongest(scenario), _cells_of(world, _where(scenario))
-    mean = world.at(np.arange(12.0)[:, None] + 0.5, north, east).wind_speed_m_s
+    mean = world.at(np.array(_months(scenario))[:, None] - 0.5, north, east).wind_speed_m_s
     shape = wind_shape(north, mean)
     share = float(np.nanmean(np.exp(-((top / mean * gamma(1.0 + 1.0 / shape)) ** shape))))
     if share > 1e-9:

@@ -74,17 +74,18 @@ def along_track(
     likelihood_table(scenario)  # refused after the file of the track
     ahead = None if forecast is None else read_forecast(forecast, course.time, course.latitude, course.longitude)
     model = LikelihoodModel.of(_of_track(scenario, weather), weather)
+    notes = [*model.notes, *_near_the_sea(model, course)]
     plan = SamplingPlan.of(samples)
     u = _numbers(model, course, plan)
     values = _values(model, course, plan, u)
     if forecast is None or ahead is None:
-        return _together(course, model, values, list(model.notes))
+        return _together(course, model, values, notes)
     spread = wind_spread > 0.0 or cover_spread > 0.0
     stronger = model.reaching(float(ahead.wind_speed_m_s.max()) + 3.0 * wind_spread)
     # More numbers would change the points of the climatology, which do not depend on a forecast.
     u = _numbers(stronger, course, plan, more=_ERRORS) if spread else u
     of_forecast = _values(stronger, course, plan, u, lambda row, own: _ahead(own, ahead, row, u, wind_spread, cover_spread))
-    return _together(course, model, values, [*model.notes, *_notes(forecast, ahead, wind_spread, cover_spread)], ahead, of_forecast)
+    return _together(course, model, values, [*notes, *_notes(forecast, ahead, wind_spread, cover_spread)], ahead, of_forecast)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +111,18 @@ def _course(track: Path) -> _Course:
     bearing = _within(cells, _BEARING, 360.0) if _BEARING in cells.header else None
     sky = Ephemeris.between(float(time[0]), float(time[-1]))
     return _Course(time, latitude, longitude, bearing, sky, sky.at(time, latitude, longitude))
+
+
+def _near_the_sea(model: LikelihoodModel, course: _Course) -> list[str]:
+    """Return a note on the rows of a track that have the weather of the nearest sea of the climatology; rows far from it are refused."""
+    if model.world is None:
+        return []
+    away = np.flatnonzero(~model.world.at_sea(course.latitude, course.longitude)).tolist()
+    told = [model.world.sea_at(float(course.latitude[i]), float(course.longitude[i]), f"row {i + 1} of the track")[2] for i in away]
+    if not told:
+        return []
+    rows = f" ({len(told)} of {course.time.size} rows like it)" if len(told) > 1 else ""
+    return [f"{told[0]}{rows}"]
 
 
 def _numbers(model: LikelihoodModel, course: _Course, plan: SamplingPlan, *, more: tuple[str, ...] = ()) -> dict[str, FloatArray]:
