@@ -366,7 +366,13 @@ def _weather_path(path: Path, info: ValidationInfo) -> Path:
 
 
 def _weather_exists(path: Path, info: ValidationInfo) -> Path:
-    return path if str(path) in PACKAGED else _must_exist(path, info)
+    if str(path) in PACKAGED:
+        return path
+    try:
+        return _must_exist(path, info)
+    except PydanticCustomError as error:
+        text = f"{error.message().partition(';')[0]}, nor one of the package: {', '.join(PACKAGED)}"
+        raise PydanticCustomError("missing_file", "{text}", {"text": text}) from None
 
 
 WeatherPath = Annotated[Path, AfterValidator(_weather_path)]

@@ -102,7 +102,7 @@ class LikelihoodModel:
             looks = _looks(settings, notes)
             return cls(scenario, None, world, models=models, row_model=row_model, winds=winds, looks=looks, notes=tuple(notes))
         if weather is None:
-            weather, source = _weather(settings)
+            weather, source = _weather(scenario)
             notes += source
         table, dropped = _complete(weather, settings)
         if dropped:
@@ -449,11 +449,19 @@ def _winds_of_world(scenario: Scenario, world: WorldWeather, notes: list[str]) -
     return 0.0, top
 
 
-def _weather(settings: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
+def _weather(scenario: Scenario) -> tuple[WeatherTable, tuple[str, ...]]:
     """Return the named table, or the packaged one, with remarks."""
+    settings, where = likelihood_table(scenario), _where(scenario)
     if settings.weather is None:
-        packaged = f"likelihood.weather is not given, and no place that the climatology 'world' has: the packaged table {NORTH_ATLANTIC}"
-        return read_weather(NORTH_ATLANTIC).table, (packaged,)
+        why = "no place is known" if where is None else "the region has no sea of the climatology 'world'"
+        if isinstance(where, tuple):
+            try:
+                world_weather().sea_at(*where)
+            except DomainError as error:
+                why = str(error)
+        return read_weather(NORTH_ATLANTIC).table, (
+            f"likelihood.weather is not given, and {why}: the packaged table {NORTH_ATLANTIC} serves",
+        )
     file = read_weather(settings.weather)
     return file.table, file.remarks
 
