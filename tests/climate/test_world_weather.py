@@ -14,7 +14,7 @@ from scipy.stats import beta, kstest, norm, weibull_min
 
 from seaglint.base.errors import DomainError
 from seaglint.climate.weather_laws import CLOUD_SUM, WIND_CLOUD, cloud_at, cloud_shares, joint_shares, wind_at, wind_shape
-from seaglint.climate.world_weather import DAYS, MeanConditions, model_atmospheres, time_of_year, world_weather
+from seaglint.climate.world_weather import DAYS, MeanConditions, few_observations, model_atmospheres, time_of_year, world_weather
 from seaglint.formats.weather.weather_file import shipped
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data" / "esbensen_kushnir_1981.csv"
@@ -128,6 +128,21 @@ def test_on_land_the_nearest_sea_is_named(place: tuple[float, float]) -> None:
     assert distance == pytest.approx(6.371e6 * angle((north, east), place), rel=2e-3)
     with pytest.raises(DomainError, match=rf"nearest sea of the climatology is \[{north:g}, {east:g}\]"):
         world.sea_at(*place)
+
+
+def test_the_border_in_the_north_belongs_to_the_last_row() -> None:
+    world = world_weather()
+    assert world.sea_at(80.0, 10.0) == (80.0, 10.0, None)
+    assert world.cell_of([80.0, 79.9, -72.0], np.full(3, 10.0))[0].tolist() == [37, 37, 0]
+    assert few_observations(world, 80.0, 10.0, ()) == few_observations(world, 79.9, 10.0, ())
+
+
+def test_clear_and_overcast_skies_of_all_seas_are_those_of_the_law() -> None:
+    # 5 % clear and 24 % overcast, as stated beside CLOUD_SUM.
+    north, east, area = world_weather().cells()
+    cover = world_weather().at(np.arange(12.0)[:, None] + 0.5, north, east).cloud_cover
+    clear, *_, overcast = np.average(cloud_shares(cover).mean(axis=0), axis=0, weights=area)
+    assert (clear, overcast) == pytest.approx((0.05, 0.24), abs=0.005)
 
 
 def test_times_of_the_year_are_those_of_the_calendar() -> None:

@@ -41,6 +41,14 @@ def test_a_cell_has_the_likelihood_of_its_look(june, hour, bearing, depression):
     assert chances[0] > 0.01
 
 
+def test_azimuths_from_the_sun_are_clockwise(june):
+    for hour in range(june.hour_utc.size):
+        back = (june.from_sun(hour) + june.sun_azimuth_deg[hour]) % 360.0
+        assert np.cos(np.radians(back - 10.0 * np.arange(36))) == pytest.approx(1.0, abs=1e-9)
+    row = june.chance(0, 0, 0, 9)
+    assert (row.azimuth_from_sun_deg + june.sun_azimuth_deg[0]) % 360.0 == pytest.approx(row.bearing_deg)
+
+
 def test_chances_are_mirrored_with_the_sun():
     # At the longitude where the Sun is in the south at 12 UTC, the hours before and after it have mirrored Suns.
     noon = np.datetime64("2026-06-21T12:00:00").astype("datetime64[s]").astype(np.float64)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import seaglint as sg
-from seaglint.base.errors import DataError
+from seaglint.base.errors import DataError, SeaglintError
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.likelihood.ship_track import along_track
@@ -96,6 +96,17 @@ def test_a_spread_of_the_cover_frees_the_sun_of_an_overcast_sky(tmp_path: Path) 
     assert [chance.probability for chance in spread.way] == [chance.probability for chance in sure.way]
 
 
+def test_errors_of_wind_and_cover_are_independent(tmp_path: Path) -> None:
+    """Above calms the chance is the mean over winds times the mean over covers."""
+    given = {"forecast": forecast(tmp_path / "f.nc", [3.0], [0.0], [0.5]), "weather": table([5.0], [math.nan], [0.5])}
+    track, wanted = made.way(tmp_path / "way.csv", (5, 6)), scenario(azimuth_from_sun_deg=[0, 0])
+    one, other = (along_track(wanted, track, **given, wind_spread=1.5, cover_spread=spread, samples=8192).way for spread in (0.0, 0.3))
+    for half, spread in zip(one, other, strict=True):
+        assert half.forecast_probability > 0.0
+        # Covers of 0.5 +- 0.3 that end at 0 and 1 keep their mean. 8192 Sobol points.
+        assert spread.forecast_probability == pytest.approx(half.forecast_probability, rel=0.02)
+
+
 def test_strong_winds_of_a_forecast_are_inside_the_tables(tmp_path: Path) -> None:
     """The table's winds end at 6 m/s, those of the forecast are 14 m/s: they are not taken as 6."""
     track = made.way(tmp_path / "way.csv", range(4, 10))
@@ -104,6 +115,20 @@ def test_strong_winds_of_a_forecast_are_inside_the_tables(tmp_path: Path) -> Non
     high = along_track(scenario(), track, forecast=ahead, samples=512, weather=table([14.0], [230.0], [0.0]))
     for one, other in zip(low.way, high.way, strict=True):
         assert one.forecast_probability == pytest.approx(other.probability, abs=4e-3)
+
+
+def test_places_off_the_sea_of_the_climatology_are_told(tmp_path: Path) -> None:
+    def along(*places: tuple[float, float]) -> list[str]:
+        rows = [f"2026-06-21T{10 + i}:00:00Z,{north},{east}" for i, (north, east) in enumerate(places)]
+        (tmp_path / "way.csv").write_text("\n".join(["time_utc,latitude_deg,longitude_deg", *rows]), encoding="utf-8")
+        return along_track(scenario(), tmp_path / "way.csv", samples=256).notes
+
+    notes = along((45.0, -30.0), (57.0, 10.0), (57.0, 10.5))
+    assert any(note.startswith("no observations at row 2 of the track = [57, 10]: the weather is that of") for note in notes)
+    assert any("(2 of 3 rows like it)" in note for note in notes)
+    assert not any("of the track" in note for note in along((45.0, -30.0), (45.0, -31.0)))
+    with pytest.raises(SeaglintError, match=r"row 2 of the track = \[50, 60\] is on land.*the nearest sea of the climatology is \["):
+        along((45.0, -30.0), (50.0, 60.0))
 
 
 def test_a_spread_of_python_is_checked(tmp_path: Path) -> None:

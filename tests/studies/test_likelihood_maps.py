@@ -12,7 +12,7 @@ from seaglint.climate.world_weather import world_weather
 from seaglint.plot.likelihood_maps import coastlines, draw_map, write_map
 from seaglint.scenario.load import parse_scenario
 from seaglint.store.netcdf import write_netcdf
-from seaglint.studies.likelihood.chance_map import MapSettings, PreparedMap, likelihood_map
+from seaglint.studies.likelihood.chance_map import MapSettings, PreparedMap, _inside, likelihood_map
 from seaglint.studies.likelihood.glint_chance import likelihood
 
 WINDS = WeatherTable({"wind_speed_m_s": np.array([3.0, 8.0]), "cloud_cover": np.array([0.2, 0.6])})
@@ -59,6 +59,15 @@ def test_a_cell_of_the_climatology_has_the_likelihood_of_its_region(latitude, lo
     found = likelihood_map(scenario(**wanted), step=float(latitude[1] - latitude[0]), samples=4096).probability.values.ravel()
     # 4096 integrated draws err by a hundredth; the places at sea of a coastal cell are resampled.
     assert found[0] == pytest.approx(exact, rel=0.05)
+
+
+def test_places_fill_their_cells_across_the_date_line():
+    u = {name: np.linspace(0.0, 1.0, 101) for name in ("across", "along")}
+    north, east = (values.reshape(2, 3, 101) for values in _inside(np.array([-60.0, 10.0]), np.array([0.0, 178.0, 182.0]), 4.0, u))
+    assert north[:, :, [0, 50, -1]].tolist() == [[[-62.0, -60.0, -58.0]] * 3, [[8.0, 10.0, 12.0]] * 3]
+    about = (east - np.array([0.0, 178.0, 182.0])[:, None] + 180.0) % 360.0 - 180.0
+    assert about == pytest.approx(np.broadcast_to(4.0 * (u["along"] - 0.5), about.shape))
+    assert np.all(np.abs(east) <= 180.0)
 
 
 def test_land_has_no_chance(biscay):

@@ -113,6 +113,19 @@ def test_few_observations_are_reported() -> None:
     assert not any("few" in note for note in model({"weather": "world", "place": [50, -30]}).notes)
 
 
+def test_strong_winds_are_counted_in_the_months_of_the_draws() -> None:
+    def share(months: list[int]) -> float:
+        drawn = parse_scenario({"likelihood": {"weather": "world", "place": [50, -30], "months": months, "samples": 65_536}})
+        model = LikelihoodModel.of(drawn)
+        note = next(note for note in model.notes if "of the winds are above 20 m/s" in note)
+        wind = draw(model).wind
+        # The note has the mean of the month's middle: over all of January winds are weaker, over all of July stronger.
+        assert float(note.split()[0]) == pytest.approx(100.0 * np.mean(wind > 20.0), rel=0.5)
+        return float(note.split()[0])
+
+    assert share([1]) > 20.0 * share([7])
+
+
 def test_without_a_name_the_climatology_serves_where_it_has_the_place() -> None:
     assert model({"place": [50, -30]}).world is not None
     mediterranean = model({"place": [36, 18]})
