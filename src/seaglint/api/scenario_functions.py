@@ -359,7 +359,8 @@ def likelihood(
     >>> 0.0 <= chances["results"][0]["probability"] <= 1.0
     True
     """
-    way, ahead = (None if path is None else Path(path) for path in (track, forecast))
+    way = None if track is None else path_of(track, "track")
+    ahead = None if forecast is None else path_of(forecast, "forecast")
     LikelihoodRequest(
         by_month=by_month, step=step, track=way, forecast=ahead, wind_spread=wind_spread, cover_spread=cover_spread, best=best, date=date
     )

@@ -23,8 +23,8 @@ def build(
     *,
     box: tuple[float, float, float, float] | None = None,
     polygon: Sequence[tuple[float, float]] | str | Path | None = None,
-    months: Sequence[int] | None = None,
-    hours: Sequence[int] | None = None,
+    months: Sequence[int] | str | None = None,
+    hours: Sequence[int] | str | None = None,
     region: str | None = None,
     columns: Mapping[str, str] | None = None,
     fill: Mapping[str, float | str] | None = None,
@@ -46,8 +46,8 @@ def build(
         West, south, east and north border of the places [deg]; west beyond east crosses 180.
     polygon : sequence of (float, float), or path, optional
         Corners of the area of the places, longitude and latitude [deg], or a ``.csv`` or ``.geojson`` file of them.
-    months, hours : sequence of int, optional
-        Months 1 to 12, and hours of UTC 0 to 23, of the rows.
+    months, hours : sequence of int, or str, optional
+        Months 1 to 12, and hours of UTC 0 to 23, of the rows; or text such as ``12-2``.
     region : str, optional
         Name of the rows; where a source names regions, the one that is taken.
     columns : mapping, optional
@@ -85,7 +85,7 @@ def build(
     [6.17, 7.72]
     """
     from seaglint.climate.weather_selection import GeographicBox, Polygon, Selection
-    from seaglint.formats.weather.weather_cells import read_polygon
+    from seaglint.formats.weather.weather_cells import parse_cycle, read_polygon
     from seaglint.formats.weather.weather_file import WeatherReading, check_output, write_weather
     from seaglint.scenario.text.option_texts import parse_fill, parse_map, parse_place
     from seaglint.studies.likelihood.weather_files import build as built_of
@@ -97,8 +97,8 @@ def build(
     selection = Selection(
         None if box is None else GeographicBox(*box),
         area,
-        None if months is None else tuple(months),
-        None if hours is None else tuple(hours),
+        parse_cycle(months, "months", 1, 12) if isinstance(months, str) else None if months is None else tuple(months),
+        parse_cycle(hours, "hours", 0, 23) if isinstance(hours, str) else None if hours is None else tuple(hours),
         region,
     )
     mapped = parse_map([f"{name}={column}" for name, column in (columns or {}).items()])

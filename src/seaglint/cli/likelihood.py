@@ -123,22 +123,29 @@ def _write(summary: LikelihoodSummary, month_by_hour: FloatArray | None, files: 
 
 def _best(loaded: Scenario, date: str | None, files: list[Path], as_json: bool, run: RunOptions, scenario: Path) -> None:
     """Write and print the directions with the least glint."""
+    from dataclasses import fields
+
     from seaglint.cli.terminal.progress import progress
+    from seaglint.climate.look_chances import LookChance
     from seaglint.formats.tables.result_tables import write_table
+    from seaglint.formats.tables.table_text import csv_text
     from seaglint.plot.likelihood_maps import write_best
-    from seaglint.store.outputs import write_json
+    from seaglint.store.outputs import write_json, write_text
     from seaglint.studies.likelihood.best_looks import best_looks
 
     with naming_file(scenario, loaded), progress(run.show, "hours") as report:
         looks = best_looks(loaded, date=date, progress=report)
-    for note in looks.notes:
+    for note in looks.notes[: None if looks.hour_utc.size else -1]:  # a day without light is printed as the result
         log(note)
     for path in files:
         match path.suffix:
             case ".json":
                 write_json(looks.as_dict(), path)
             case ".csv":
-                write_table(looks.rows(), path)
+                if looks.hour_utc.size:
+                    write_table(looks.rows(), path)
+                else:  # a day without light: the headings alone
+                    write_text(csv_text([[column.name for column in fields(LookChance)]]), path)
             case _:
                 write_best(looks, path)
         log(f"{path} written")

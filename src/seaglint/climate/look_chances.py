@@ -14,6 +14,9 @@ from seaglint.base.free_form import JsonObject, TableRow
 
 BEARINGS: Final = np.arange(0.0, 360.0, 10.0)  #: Bearings of looks, clockwise from north [deg].
 
+#: Sentence on a day without light.
+NO_LIGHT: Final = "{date}: the Sun is not up at any full hour of [likelihood] hours_utc; no glint in any direction"
+
 
 @dataclass(frozen=True)
 class LookChance:
@@ -129,7 +132,7 @@ class BestLooks:
     def lines(self) -> list[str]:
         """Return the best and the worst look of each threshold, and the best of each hour, as lines of text."""
         if not self.hour_utc.size:
-            return [f"{self.date}: the Sun is not up at any full hour of [likelihood] hours_utc; no glint in any direction"]
+            return [NO_LIGHT.format(date=self.date)]
         out = []
         for t, threshold in enumerate(self.thresholds):
             best, worst = self.best(t), self.worst(t)

@@ -37,6 +37,9 @@ def write_map(dataset: xr.Dataset, output: Path) -> None:
 def draw_map(dataset: xr.Dataset) -> Figure:
     """Draw a map of the chance of glint above the first threshold for every month, with one colour bar."""
     chance = dataset["probability"].isel(threshold=0)
+    if "observations" in dataset:
+        # Without observations in a month, mostly for ice, the means of wind and cloud are those of other months.
+        chance = chance.where(dataset["observations"] > 0)
     months = chance.month.to_numpy().tolist()
     columns = min(4 if len(months) > 6 else 3, len(months))
     rows = math.ceil(len(months) / columns)
@@ -136,7 +139,8 @@ def draw_best(looks: BestLooks) -> Figure:
     North is up, bearings are clockwise. The first panel has the mean over depressions, with hours outwards in the order of the Sun's day;
     the second the mean over hours. A night has a text instead.
     """
-    place = f"{looks.latitude_deg:g}°, {looks.longitude_deg:g}°"
+    north, east = looks.latitude_deg, looks.longitude_deg
+    place = f"{abs(north):g}° {'N' if north >= 0.0 else 'S'}, {abs(east):g}° {'E' if east >= 0.0 else 'W'}"
     single = looks.depression_deg.size == 1
     figure = new_figure(6.2 if single else 11.6, 5.4)
     figure.suptitle(f"glint above {looks.thresholds[0]:g} W m⁻² sr⁻¹ on {looks.date} at {place}, {looks.case}", fontsize=11)

@@ -13,7 +13,7 @@ from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.parameters import documented
 from seaglint.climate.draws import SamplingPlan
 from seaglint.climate.ephemeris import Ephemeris
-from seaglint.climate.look_chances import BEARINGS, BestLooks
+from seaglint.climate.look_chances import BEARINGS, NO_LIGHT, BestLooks
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.quantities import YEARS
@@ -117,7 +117,7 @@ def best_looks(
         depression_deg=depression,
         probability=out,
         samples=plan.total,
-        notes=list(model.notes),
+        notes=[*model.notes, *([] if up.size else [NO_LIGHT.format(date=begin.date().isoformat())])],
     )
 
 

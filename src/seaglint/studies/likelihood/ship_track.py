@@ -231,11 +231,11 @@ def _notes(path: Path, ahead: ForecastWeather, wind_spread: float, cover_spread:
         return [*notes, f"{path.name}: {ahead.members} members, each as likely{spread}"]
     if wind_spread > 0.0 or cover_spread > 0.0:
         return [*notes, f"{path.name}: one state, {errors}"]
-    return [*notes, f"{path.name}: one state, taken as certain; wind_spread and cover_spread state its errors"]
+    return [*notes, f"{path.name}: one state, taken as certain; a stated spread of wind and cover gives it errors"]
 
 
 def _steps(time: FloatArray) -> FloatArray:
-    """Return the hours of each time: half of the distance to its neighbours."""
+    """Return the hours of each time: half of the distance to its neighbours; the ends stand for a whole gap, as hourly rows for an hour."""
     gaps = np.diff(time) / 3600.0
     return np.asarray(0.5 * (np.concatenate([gaps[:1], gaps]) + np.concatenate([gaps, gaps[-1:]])))
 
