@@ -169,7 +169,8 @@ class WorldWeather:
             return north, east, note
         raise DomainError(
             f"{name} = [{latitude:g}, {longitude:g}] is on land, in ice or in a sea without data (as the Mediterranean); the "
-            f"nearest sea of the climatology is [{north:g}, {east:g}], {1e-3 * distance:.0f} km away",
+            f"nearest sea of the climatology is [{north:g}, {east:g}], {1e-3 * distance:.0f} km away; choose a place at sea, or a weather "
+            "table of this one",
             name=name,
             value=(latitude, longitude),
         )
