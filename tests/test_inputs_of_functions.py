@@ -155,7 +155,7 @@ def test_what_is_no_path(name: str, kind: str, tmp_path: Path, monkeypatch: pyte
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("kind", FOREIGN.keys() - {"DataFrame"})
+@pytest.mark.parametrize("kind", sorted(FOREIGN.keys() - {"DataFrame"}))
 @pytest.mark.parametrize("name", ["mean", "atmosphere", "emissivity", "scattered"])
 def test_what_are_no_cases(name: str, kind: str) -> None:
     with pytest.raises(DataError, match=r"cases are of type .*; give a CSV file, a mapping of columns, a DataFrame or a Dataset"):

@@ -33,7 +33,7 @@ def test_a_map_is_the_same_from_workers(two):
     shared = likelihood_map(scene, step=10.0, samples=32, workers=two, progress=lambda *done: told.append(done))
     assert float(alone.probability.max()) > 0.0
     assert shared.probability.values.tobytes() == alone.probability.values.tobytes()
-    assert shared.rows.equals(alone.rows)
+    assert shared.observations.equals(alone.observations)
     assert told == [(k, 3) for k in range(4)]
 
 

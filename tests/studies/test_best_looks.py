@@ -138,5 +138,5 @@ def test_missing_places_and_dates_are_told(tables, date, message):
 def test_several_results_at_once_are_refused():
     with pytest.raises(DataError, match="`by_month` and `best` are given"):
         sg.likelihood(scenario(), best=True, by_month=True)
-    with pytest.raises(DataError, match="`date` = 2026-06-21: is for `best` alone"):
+    with pytest.raises(DataError, match="date = 2026-06-21: is for `best` alone"):
         sg.likelihood(scenario(), date="2026-06-21")

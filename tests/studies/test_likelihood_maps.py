@@ -39,7 +39,7 @@ def test_a_map_without_a_region_is_of_all_seas():
     cells = prepared(of="world")
     assert (cells.latitude[0], cells.latitude[-1], cells.latitude.size) == (-70.0, 78.0, 38)
     assert (cells.longitude[0], cells.longitude[-1], cells.longitude.size) == (-178.0, 178.0, 90)
-    assert cells.notes[-1] == "cells of 4 deg, as the region is wide; another size by `step`"
+    assert cells.notes[-1] == "cells of 4 deg, as the region is wide; give step for other ones"
     with pytest.raises(ScenarioError, match="a map needs the region's borders, or weather = 'world' without a place"):
         prepared(place=[45, -30], weather=WINDS)
 

@@ -34,9 +34,9 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import njit
 
-_LEAVES: Final = 128  #: Largest number of leaves.
+_LEAVES: Final = 128  #: Largest number of leaves that a round adds.
 _BINS: Final = 8  #: Parts of a side of a cell at whose borders it can be divided.
-_FEW: Final = 32  #: Hits below which a cell is not divided.
+_FEW: Final = 5  #: Hits for each coordinate below which a cell is not divided: with more coordinates more gatherings are chance.
 _PRIOR: Final = 16.0  #: Hits, spread evenly over a cell, that are added to those seen: chance gatherings are no structure.
 _GAIN: Final = 2e-4  #: Least decrease of the sum of roots for which a cell is divided.
 #: Share of the mean square that counts as known: the error of even points comes from what varies within a cell, as the border of an event.
@@ -92,7 +92,7 @@ class DensityTree:
         Parameters
         ----------
         drawn : Warped
-            Numbers drawn from this density.
+            Numbers drawn from this density; where other numbers have a density too, with the weights of all.
         values : ndarray
             Integrand at each [(n,)], not below 0.
         before : float
@@ -175,7 +175,7 @@ class _Growth:
     def _split(self, node: int) -> _Split | None:
         """Return the best division of a leaf; None where it is not worth one."""
         inside = self.hits.get(node)
-        if inside is None or inside.size < _FEW:
+        if inside is None or inside.size < _FEW * self.points.shape[1]:
             return None
         low, high = self.box[node]
         at = np.minimum(((self.points[inside] - low) / (high - low) * _BINS).astype(np.int64), _BINS - 1)
@@ -211,7 +211,7 @@ class _Growth:
         total = float(_roots(*(np.array(each)[leaves] for each in (self.volume, self.first, self.second))).sum())
         for node in leaves:
             offer(node)
-        count = len(leaves)
+        count = 0
         while heap and count < _LEAVES:
             _, node, split = heapq.heappop(heap)
             if split.gain < _GAIN * total:

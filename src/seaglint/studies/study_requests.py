@@ -382,7 +382,7 @@ class LikelihoodRequest:
         if len(ways) > 1:
             raise DataError(f"{' and '.join(ways)} are given: a map, the way of a ship and the best look are different results; give one")
         if self.date is not None and not self.best:
-            raise DataError(f"`date` = {self.date}: is for `best` alone; other results have the times of the scenario")
+            raise DataError(f"date = {self.date}: is for `best` alone; other results have the times of the scenario")
         if self.forecast is not None and self.track is None:
             raise DataError("a forecast is given without a track: it is read along one; give `track`, a CSV of the way")
         for name, most, unit in (("wind_spread", 50.0, "m/s"), ("cover_spread", 1.0, "share of the sky")):

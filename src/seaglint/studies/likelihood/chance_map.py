@@ -184,7 +184,7 @@ class PreparedMap:
         step, notes = settings.step or STEP, list(model.notes)
         if settings.step is None and (region.north - region.south) * wide > _WIDE * STEP**2:
             step = WIDE_STEP
-            notes.append(f"cells of {step:g} deg, as the region is wide; another size by `step`")
+            notes.append(f"cells of {step:g} deg, as the region is wide; give step for other ones")
         north, east = (np.arange(0.5 * step, size + 1e-9, step) for size in (region.north - region.south, wide))
         if north.size == 0 or east.size == 0 or north.size * east.size > _MOST:
             raise ScenarioError(f"the map has {north.size} x {east.size} cells of {step:g} deg; choose step so that there are 1 to {_MOST}")

@@ -43,9 +43,11 @@ RARE: Final = (0.05, 1e-3)
 
 _PILOT: Final = 16  #: Ratio of all draws to the draws of a round in which their density is found.
 _PILOTS: Final = (4096, 16_384)  #: Least and largest number of draws of such a round.
-_ROUNDS: Final = 16  #: Largest number of rounds.
+_AT_SUN: Final = 4  #: Ratio of the draws of a round at the Sun's azimuth to those of another one: more exceed, and a single look is quick.
+_STALLED: Final = 3  #: Number of rounds without a brighter draw after which the search ends.
+_ROUNDS: Final = 24  #: Largest number of rounds.
 _BRIGHT: Final = 0.08  #: Share of the draws of a round that exceed the level of its glint [1].
-_BEFORE: Final = 0.3  #: Share of the probability that a round leaves to the density before [1].
+_BEFORE: Final = 0.5  #: Share of the probability that a round leaves to the density before [1].
 _UNIFORM: Final = 0.2  #: Share of the probability that remains uniform [1]: no draw weighs more than five even ones.
 
 _SHINES: Final = 0.5 * math.pi + 0.3  #: Zenith angle of the Sun beyond which no place in view can be lit [rad].
@@ -77,7 +79,7 @@ class Draws:
     @property
     def heaviest(self) -> float:
         """Largest ratio of the density of even draws to that of these [1]."""
-        return 1.0 if self.aim is None else self.aim.tree.largest_weight
+        return 1.0 if self.aim is None else self.aim.heaviest
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,12 +236,12 @@ def draw(
     settings = model.settings
     plan = SamplingPlan.of(settings.samples if samples is None else samples)
     u = uniform_numbers(model, plan, model.scenario.seed if seed is None else seed, plain=plain)
-    warped = None
+    weight = None
     if aim is not None:
-        u, warped = aim.warp(u)
+        u, weight, _ = aim.warp(u)
     where = model.conditions(u, by_daylight=True)
     drawn = evaluated(model, u, where, plan, azimuth, integrated=azimuth is None and _integrates(model, plan))
-    return drawn if warped is None else replace(drawn, weight=drawn.weight * warped.weight, aim=aim)
+    return drawn if weight is None else replace(drawn, weight=drawn.weight * weight, aim=aim)
 
 
 def _integrates(model: LikelihoodModel, plan: SamplingPlan) -> bool:
@@ -250,25 +252,41 @@ def _integrates(model: LikelihoodModel, plan: SamplingPlan) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
+class Factor:
+    """Density of some uniform numbers, independent of others."""
+
+    names: tuple[str, ...]
+    tree: DensityTree
+
+
+@dataclass(frozen=True, eq=False)
 class Aim:
     """Density of uniform numbers that is concentrated where glint exceeds thresholds. Made by ``aimed``."""
 
-    names: tuple[str, ...]  #: Uniform numbers with this density; others remain uniform.
-    tree: DensityTree
+    factors: tuple[Factor, ...]  #: Densities of uniform numbers; those without one remain uniform.
     draws: int  #: Number of draws with which it was found.
 
-    def warp(self, u: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], Warped]:
-        """Give uniform numbers of draws by name the density; return them, and their weights."""
-        warped = self.tree.warp(np.column_stack([u[name] for name in self.names]))
-        return u | {name: np.ascontiguousarray(warped.points[:, i]) for i, name in enumerate(self.names)}, warped
+    @property
+    def heaviest(self) -> float:
+        """Largest weight of a draw [1]."""
+        return math.prod(factor.tree.largest_weight for factor in self.factors)
+
+    def warp(self, u: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], FloatArray, Warped]:
+        """Give uniform numbers of draws by name the density; return them, their weights and those of the last factor."""
+        weight = np.ones(next(iter(u.values())).size)
+        for factor in self.factors:
+            warped = factor.tree.warp(np.column_stack([u[name] for name in factor.names]))
+            u = u | {name: np.ascontiguousarray(warped.points[:, i]) for i, name in enumerate(factor.names)}
+            weight *= warped.weight
+        return u, weight, warped
 
 
 def aimed(model: LikelihoodModel, *, samples: int | None = None, seed: int | None = None) -> Aim | None:
     """Find a density of draws that suits the scenario's thresholds; None where even draws suit them.
 
     Levels of radiance rise from round to round until they are the thresholds: each is exceeded by some percent of the draws of its round.
-    Draws are even if no threshold is rare, and if none is reached: the rounds have their own random numbers, so that draws with this
-    density have no bias.
+    Very rare thresholds are approached at the Sun's azimuth first, so that light winds are found before azimuths matter. Draws are even
+    if no threshold is rare, and if none is reached. The rounds have their own random numbers, so that draws with this density have no bias.
     """
     settings = model.settings
     thresholds = [t for t in settings.threshold_w_m2_sr if t > 0.0]
@@ -276,35 +294,78 @@ def aimed(model: LikelihoodModel, *, samples: int | None = None, seed: int | Non
         return None
     plan = SamplingPlan.of(settings.samples if samples is None else samples)
     whole = _integrates(model, plan)
-    names = tuple(name for name in _numbers(model) if not (whole and name == "azimuth"))
     pilot = SamplingPlan(1, int(np.clip(2 ** round(math.log2(plan.total / _PILOT)), *_PILOTS)))
-    seed = model.scenario.seed if seed is None else seed
-    aim, highest = Aim(names, DensityTree.even(), 0), 0.0
-    for turn in range(_ROUNDS):
-        u, warped = aim.warp(uniform_numbers(model, pilot, seed, purpose=f"likelihood pilot {turn}"))
-        where = model.conditions(u, by_daylight=True)
-        drawn = evaluated(model, u, where, pilot, _nearest_to_sun(model) if whole else None)
-        bright = np.sort(np.where(drawn.illuminated > 0.0, _brightness(model, drawn), 0.0))[::-1]
-        level = max(float(bright[int(_BRIGHT * pilot.total)]), 1e-6 * min(thresholds))
-        levels = [min(threshold, level) for threshold in thresholds]
-        if whole:
-            drawn = evaluated(model, u, where, pilot, integrated=True, levels=levels)
-        values, rare = np.zeros(pilot.total), False
-        for threshold, at in zip(thresholds, levels, strict=True):
-            each = drawn.weight * draw_values(model, drawn, at)
-            chance = float(np.mean(warped.weight * each))
-            rare = rare or at < threshold or chance < RARE[int(whole)]
-            values += each / chance if chance > 0.0 else 0.0
-        reached = levels == thresholds
-        if not rare and turn == 0:
-            return None
-        if not reached and bright[0] <= highest * 1.001 and bright[0] < min(thresholds):
-            return None
-        highest = max(highest, float(bright[0]))
-        aim = Aim(names, aim.tree.refined(warped, values, _BEFORE), aim.draws + pilot.total)
-        if reached:
-            break
-    return replace(aim, tree=aim.tree.mixed(_UNIFORM))
+    search = _Search(model, thresholds, pilot, model.scenario.seed if seed is None else seed)
+    names = _numbers(model)
+    turns = "azimuth" in names and "azimuth_from_sun_deg" not in model.looks
+    others = tuple(name for name in names if not (turns and name == "azimuth"))
+    chance = search.least_chance(whole=whole)
+    if chance >= RARE[int(whole)]:
+        return None
+    approached = turns and (whole or chance < RARE[1])
+    aim = search.towards(Aim((Factor(others if approached else names, DensityTree.even()),), pilot.total), at_sun=approached)
+    if approached and not whole:
+        aim = search.towards(replace(aim, factors=(*aim.factors, Factor(("azimuth",), DensityTree.even()))), approached=True)
+    if search.brightest <= min(thresholds):
+        return None
+    return replace(aim, factors=tuple(replace(factor, tree=factor.tree.mixed(_UNIFORM)) for factor in aim.factors))
+
+
+@dataclass
+class _Search:
+    """Rounds of draws that find a density."""
+
+    model: LikelihoodModel
+    thresholds: list[float]
+    pilot: SamplingPlan  #: Draws of a round.
+    seed: int
+    turn: int = 0  #: Number of rounds so far.
+    brightest: float = 0.0  #: Largest radiance of all rounds [W m-2 sr-1].
+
+    def _numbers(self, pilot: SamplingPlan) -> dict[str, FloatArray]:
+        """Return even uniform numbers of the next round."""
+        self.turn += 1
+        return uniform_numbers(self.model, pilot, self.seed, purpose=f"likelihood pilot {self.turn}")
+
+    def least_chance(self, *, whole: bool) -> float:
+        """Return the least chance of all thresholds [1], by even draws."""
+        u = self._numbers(self.pilot)
+        drawn = evaluated(self.model, u, self.model.conditions(u, by_daylight=True), self.pilot, integrated=whole)
+        return min(float(np.mean(drawn.weight * draw_values(self.model, drawn, threshold))) for threshold in self.thresholds)
+
+    def towards(self, aim: Aim, *, at_sun: bool = False, approached: bool = False) -> Aim:
+        """Concentrate the last factor of a density towards glint above the thresholds.
+
+        ``at_sun`` is at the azimuth next to the Sun's; ``approached`` counts only draws that exceed the threshold at that azimuth.
+        """
+        model, stalled, highest = self.model, 0, 0.0
+        for _ in range(_ROUNDS):
+            pilot = replace(self.pilot, points=_AT_SUN * self.pilot.points) if at_sun else self.pilot
+            u, weight, warped = aim.warp(self._numbers(pilot))
+            where = model.conditions(u, by_daylight=True)
+            near = evaluated(model, u, where, pilot, _nearest_to_sun(model)) if at_sun or approached else None
+            drawn = evaluated(model, u, where, pilot) if near is None or approached else near
+            bright = np.where(drawn.illuminated > 0.0, _brightness(model, drawn), 0.0)
+            peak = _brightness(model, near) if near is not None and approached else np.full(bright.size, np.inf)
+            bright = np.sort(np.where(peak > min(self.thresholds), bright, 0.0))[::-1]
+            level = max(float(bright[int(_BRIGHT * bright.size)]), 1e-6 * min(self.thresholds))
+            levels = [min(threshold, level) for threshold in self.thresholds]
+            if at_sun and model.settings.integrates:
+                drawn = evaluated(model, u, where, pilot, integrated=True, levels=levels)
+            values = np.zeros(pilot.total)
+            for threshold, at in zip(self.thresholds, levels, strict=True):
+                each = drawn.weight * np.where(peak > threshold, draw_values(model, drawn, at), 0.0)
+                # Every threshold counts the same, by its own chance.
+                values += each / max(float(np.mean(weight * each)), 1e-300)
+            factor = aim.factors[-1]
+            factor = replace(factor, tree=factor.tree.refined(warped._replace(weight=weight), values, _BEFORE))
+            aim = Aim((*aim.factors[:-1], factor), aim.draws + pilot.total)
+            stalled = 0 if bright[0] > 1.001 * highest else stalled + 1
+            highest = max(highest, float(bright[0]))
+            if levels == self.thresholds or (stalled >= _STALLED and bright[0] < max(self.thresholds)):
+                break
+        self.brightest = max(self.brightest, highest)
+        return aim
 
 
 def _nearest_to_sun(model: LikelihoodModel) -> float:
