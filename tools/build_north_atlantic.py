@@ -36,7 +36,7 @@ def means() -> MeanConditions:
     """Monthly means over the region [(12,) each]."""
     north, east, area = world_weather().cells()
     inside = (north >= SOUTH) & (north <= NORTH) & (east >= WEST) & (east <= EAST)
-    of_cells = world_weather().at(np.arange(12.0)[:, None] + 0.5, north[inside], east[inside])
+    of_cells = world_weather().of_month(np.arange(1, 13)[:, None], north[inside], east[inside])
     return MeanConditions(*(np.average(values, axis=1, weights=area[inside]) for values in of_cells))
 
 

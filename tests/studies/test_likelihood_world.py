@@ -57,8 +57,8 @@ def test_the_season_follows_hemisphere_and_month() -> None:
     """Mean winds of draws in the North Atlantic: those of the cells of January and July, of the middles of both months to a tenth."""
     for month in (1, 7):
         drawn = draw(model({"weather": "world", "place": [50, -30], "months": [month]}), samples=16_384)
-        mean = float(world_weather().at(month - 0.5, 50.0, -30.0).wind_speed_m_s)
-        assert np.average(drawn.wind, weights=drawn.weight) == pytest.approx(mean, rel=0.03)
+        mean = float(world_weather().of_month(month, 50.0, -30.0).wind_speed_m_s)
+        assert np.average(drawn.wind, weights=drawn.weight) == pytest.approx(mean, rel=0.015)
 
 
 def test_draws_on_land_do_not_count() -> None:
@@ -78,7 +78,7 @@ def test_the_world_is_the_region_by_default() -> None:
 
 def test_under_a_given_sun_the_weather_has_the_whole_year() -> None:
     drawn = draw(model({"weather": "world", "place": [50, -30]}, sun={"zenith_deg": 60}), samples=16_384)
-    months = world_weather().at(np.arange(12) + 0.5, 50.0, -30.0).wind_speed_m_s
+    months = world_weather().of_month(np.arange(1, 13), 50.0, -30.0).wind_speed_m_s
     assert drawn.wind.mean() == pytest.approx(months.mean(), rel=0.02)
     assert np.all(drawn.solar_zenith == drawn.solar_zenith[0])
 
@@ -151,7 +151,7 @@ def test_an_ensemble_draws_the_weather_of_its_place_and_month() -> None:
         "vary": [{"law": "weather", "table": "world", "columns": columns}],
     }
     scenes = drawn_scenes(parse_ensemble(raw))
-    means = world_weather().at(0.5, 30.0, -60.0)
+    means = world_weather().of_month(1, 30.0, -60.0)
     values = [scene.parameters for scene in scenes]
     np.testing.assert_allclose([value["sea.temperature_k"] for value in values], float(means.sea_temperature_k))
     assert values[0]["atmosphere.air_minus_sea_k"] == pytest.approx(float(means.air_temperature_k - means.sea_temperature_k))

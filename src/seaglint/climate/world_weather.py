@@ -1,7 +1,8 @@
 """Climatology of the world's seas by month and cell: means at any place and time of the year, and draws of wind and cloud about them.
 
 The means are ships' observations in cells of 4 x 5 deg (Esbensen and Kushnir 1981): wind speed, cloud cover, sea and air temperature,
-specific humidity and pressure. They are interpolated linearly between the middles of cells and of months. Cells without data, which are
+specific humidity and pressure. They are interpolated linearly between the middles of cells, and in time so that the mean over each month is
+the observed one. Cells without data, which are
 land or ice, do not count: next to them the sea's cells alone are interpolated. Months without data of a cell that has others are
 interpolated between these.
 
@@ -12,11 +13,12 @@ References
 ----------
 S. K. Esbensen and Y. Kushnir, The heat budget of the global ocean: an atlas based on estimates from surface marine observations, Climatic
 Research Institute, report 29, Oregon State University (1981).
+P. D. Killworth, Time interpolation of forcing fields in ocean models, J. Phys. Oceanogr. 26 (1996) 136-143.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -98,6 +100,7 @@ class WorldWeather:
     """Monthly means of the world's seas by cell. Read by ``world_weather``."""
 
     means: FloatArray  #: Means of ``MeanConditions`` by month and cell, 0 on land [(12, latitudes, longitudes, 6)].
+    nodes: FloatArray  #: Values in the middles of months whose lines have these means [(12, latitudes, longitudes, 6)].
     sea: NDArray[np.bool_]  #: Cells with data [(latitudes, longitudes)].
     observations: FloatArray  #: Number of wind observations; 0 where a month was interpolated [(12, latitudes, longitudes)].
 
@@ -176,7 +179,9 @@ class WorldWeather:
         )
 
     def at(self, time_of_year: ArrayLike, latitude: ArrayLike, longitude: ArrayLike) -> MeanConditions:
-        """Means at times of the year and places, linear between the middles of months and of cells with data.
+        """Means at times of the year and places, linear between nodes in the middles of months and between cells with data.
+
+        Nodes are those whose lines have the observed means over each month (Killworth 1996); peaks are higher than these means.
 
         Parameters
         ----------
@@ -193,11 +198,24 @@ class WorldWeather:
         time, north, east = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (time_of_year, latitude, longitude)))
         month = (time - 0.5) % 12.0
         m, f = month.astype(np.intp) % 12, (month - np.floor(month))[..., None]
-        total = np.zeros((*time.shape, len(_COLUMNS)))
-        weight = np.zeros(time.shape)
+        return self._between(
+            north, east, lambda row, column: (1.0 - f) * self.nodes[m, row, column] + f * self.nodes[(m + 1) % 12, row, column]
+        )
+
+    def of_month(self, month: ArrayLike, latitude: ArrayLike, longitude: ArrayLike) -> MeanConditions:
+        """Means of calendar months, 1 to 12, at places [deg], linear between the middles of cells with data; broadcast."""
+        number, north, east = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (month, latitude, longitude)))
+        m = number.astype(np.intp) - 1
+        return self._between(north, east, lambda row, column: self.means[m, row, column])
+
+    def _between(
+        self, north: FloatArray, east: FloatArray, of_cell: Callable[[NDArray[np.intp], NDArray[np.intp]], FloatArray]
+    ) -> MeanConditions:
+        """Interpolate values of cells, of rows and columns, to places [deg]."""
+        total, weight = np.zeros((*north.shape, len(_COLUMNS))), np.zeros(north.shape)
         for row, column, share in self._corners(north, east):
             weight += share
-            total += share[..., None] * ((1.0 - f) * self.means[m, row, column] + f * self.means[(m + 1) % 12, row, column])
+            total += share[..., None] * of_cell(row, column)
         with np.errstate(invalid="ignore"):
             total /= weight[..., None]
         return MeanConditions(*np.moveaxis(total, -1, 0))
@@ -230,7 +248,7 @@ class WorldWeather:
         """
         north, east, size = np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, dtype=np.float64)) for x in (latitude, longitude, area)))
         number = np.array(months or range(1, 13), dtype=np.float64)
-        means = self.at(number[:, None] - 0.5, north, east)
+        means = self.of_month(number[:, None], north, east)
         winds = class_means(means.wind_speed_m_s, wind_shape(north, means.wind_speed_m_s))
         shares = joint_shares(means.cloud_cover)
         days = np.array(DAYS)[number.astype(np.intp) - 1]
@@ -307,7 +325,21 @@ def world_weather() -> WorldWeather:
         for k in range(len(_COLUMNS)):
             means[:, i, j, k] = np.interp(np.arange(12.0), have, means[have, i, j, k], period=12.0)
     means[:, ~sea] = 0.0
-    return WorldWeather(means, sea, counts)
+    return WorldWeather(means, _nodes(means), sea, counts)
+
+
+def _nodes(means: FloatArray) -> FloatArray:
+    """Return the values in the middles of months whose broken line has the means over each month [like ``means``].
+
+    A month holds half of the line to either neighbour: ``n[m-1]/8 + 3 n[m]/4 + n[m+1]/8 = mean[m]``. Winds stay above a third of their
+    mean, and covers within 0 and 1.
+    """
+    matrix = 0.75 * np.eye(12) + 0.125 * (np.roll(np.eye(12), 1, axis=0) + np.roll(np.eye(12), -1, axis=0))
+    nodes = np.asarray(np.linalg.solve(matrix, means.reshape(12, -1)).reshape(means.shape))
+    nodes[..., 0] = np.maximum(nodes[..., 0], means[..., 0] / 3.0)
+    nodes[..., 1] = np.clip(nodes[..., 1], 0.0, 1.0)
+    nodes[..., 4] = np.maximum(nodes[..., 4], means[..., 4] / 3.0)
+    return nodes
 
 
 def _in_si(name: str, values: FloatArray) -> FloatArray:

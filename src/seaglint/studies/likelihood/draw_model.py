@@ -440,7 +440,7 @@ def _models_of_world(scenario: Scenario, world: WorldWeather) -> tuple[tuple[str
 def _winds_of_world(scenario: Scenario, world: WorldWeather, notes: list[str]) -> tuple[float, float]:
     """Return the winds of seas and air, as ``_winds``; the share of stronger ones is that of the laws."""
     top, (north, east) = _strongest(scenario), _cells_of(world, _where(scenario))
-    mean = world.at(np.array(_months(scenario))[:, None] - 0.5, north, east).wind_speed_m_s
+    mean = world.of_month(np.array(_months(scenario))[:, None], north, east).wind_speed_m_s
     shape = wind_shape(north, mean)
     share = float(np.nanmean(np.exp(-((top / mean * gamma(1.0 + 1.0 / shape)) ** shape))))
     if share > 1e-9:
