@@ -258,7 +258,7 @@ REPORTS = (
 
 
 def test_single_reports_lie_inside_the_laws() -> None:
-    """Seas within 3.5 K, warmer on average (drifters of 2021 most); winds at quantiles that look uniform."""
+    """Seas within 4 K, warmer on average (drifters of 2021 most); winds at quantiles that look uniform."""
     world, seas, quantiles = world_weather(), [], []
     for month, day, latitude, longitude, sea, air, wind in REPORTS:
         means = world.at(month - 1 + day / 30.5, latitude, longitude)
@@ -269,7 +269,7 @@ def test_single_reports_lie_inside_the_laws() -> None:
         if wind is not None:
             mean, shape = float(means.wind_speed_m_s), float(wind_shape(latitude, means.wind_speed_m_s))
             quantiles.append(weibull_min(shape, scale=mean / gamma(1 + 1 / shape)).cdf(wind))
-    assert max(abs(np.array(seas))) < 3.5
+    assert max(abs(np.array(seas))) < 4.0
     assert np.mean(seas) == pytest.approx(0.9, abs=0.6)
     assert kstest(quantiles, "uniform").pvalue > 0.05
 
