@@ -59,7 +59,7 @@ class Draws:
 
     plan: SamplingPlan  #: Number and order of the draws.
     where: Conditions  #: Weather row, time and place.
-    weight: FloatArray  #: Weight of each draw [1], 1 on average: low Suns are drawn more often than they occur.
+    weight: FloatArray  #: Weight of each draw [1]: low Suns are drawn more often than they occur; 0 on land, where the climatology is used.
     sight: Looks  #: Results of the looks, with the radiance.
     illuminated: FloatArray  #: Chance that clouds leave the Sun free [1].
     wind: FloatArray  #: Wind speed [m/s].
