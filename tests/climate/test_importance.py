@@ -18,7 +18,7 @@ def away(points):
 def towards(radius, seed, dimensions=3, pilot=4096):
     """Density towards a ball, by levels of its radius."""
     tree = DensityTree.even()
-    for turn in range(24):
+    for turn in range(200):
         drawn = tree.warp(SamplingPlan(1, pilot).uniform(dimensions, seed, purpose=f"pilot {turn}"))
         distance = away(drawn.points)
         level = max(radius, float(np.quantile(distance, 0.08)))
