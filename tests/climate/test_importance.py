@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-
 import numpy as np
 import pytest
 
@@ -23,7 +21,8 @@ def towards(radius, seed, dimensions=3, pilot=4096):
     for turn in range(40):
         drawn = tree.warp(SamplingPlan(1, pilot).uniform(dimensions, seed, purpose=f"pilot {turn}"))
         distance = away(drawn.points)
-        level = max(radius, float(np.quantile(distance, 0.08)))
+        # Cells about the ball hold more than the ball: a fiftieth of the draws in it will do.
+        level = max(radius, float(np.quantile(distance, 0.08 if turn < 12 else 0.02)))
         tree = tree.refined(drawn, (distance < level).astype(float), 0.3)
         if level == radius:
             return tree.mixed(0.2)
@@ -86,10 +85,5 @@ def test_unseen_events_can_weigh_as_much_as_the_density_allows():
 def test_intervals_of_rare_chances_cover_as_they_say(chance, points):
     # 1000 repeats at 95 %: standard error 0.7 %; the bar is 93 to 97 %.
     radius = (chance / (4.0 / 3.0 * np.pi)) ** (1.0 / 3.0)
-    found = []
-    for seed in range(1000):
-        # The simple search of this file does not reach the ball for some seeds: these have no density to judge.
-        with contextlib.suppress(AssertionError):
-            found.append(ball(radius, SamplingPlan(16, points), seed))
-    assert len(found) > 950
-    assert 0.93 <= sum(one.low <= chance <= one.high for one in found) / len(found) <= 0.97
+    found = [ball(radius, SamplingPlan(16, points), seed) for seed in range(1000)]
+    assert 930 <= sum(one.low <= chance <= one.high for one in found) <= 970

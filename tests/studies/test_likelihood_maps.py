@@ -12,7 +12,7 @@ from seaglint.climate.world_weather import world_weather
 from seaglint.plot.likelihood_maps import coastlines, draw_map, write_map
 from seaglint.scenario.load import parse_scenario
 from seaglint.store.netcdf import write_netcdf
-from seaglint.studies.likelihood.chance_map import MapSettings, PreparedMap, _inside, likelihood_map
+from seaglint.studies.likelihood.chance_map import MapSettings, PreparedMap, likelihood_map
 from seaglint.studies.likelihood.glint_chance import likelihood
 
 WINDS = WeatherTable({"wind_speed_m_s": np.array([3.0, 8.0]), "cloud_cover": np.array([0.2, 0.6])})
@@ -57,17 +57,20 @@ def test_a_cell_of_the_climatology_has_the_likelihood_of_its_region(latitude, lo
     exact = likelihood(scenario(**wanted, samples=16_384)).estimates[0].value
     assert exact > 0.02
     found = likelihood_map(scenario(**wanted), step=float(latitude[1] - latitude[0]), samples=4096).probability.values.ravel()
-    # 4096 integrated draws err by a hundredth; the places at sea of a coastal cell are resampled.
+    # 4096 integrated draws err by a hundredth.
     assert found[0] == pytest.approx(exact, rel=0.05)
 
 
 def test_places_fill_their_cells_across_the_date_line():
-    u = {name: np.linspace(0.0, 1.0, 101) for name in ("across", "along")}
-    north, east = (values.reshape(2, 3, 101) for values in _inside(np.array([-60.0, 10.0]), np.array([0.0, 178.0, 182.0]), 4.0, u))
-    assert north[:, :, [0, 50, -1]].tolist() == [[[-62.0, -60.0, -58.0]] * 3, [[8.0, 10.0, 12.0]] * 3]
-    about = (east - np.array([0.0, 178.0, 182.0])[:, None] + 180.0) % 360.0 - 180.0
-    assert about == pytest.approx(np.broadcast_to(4.0 * (u["along"] - 0.5), about.shape))
-    assert np.all(np.abs(east) <= 180.0)
+    """Corners of the cells, middles by area, and no cell beyond the region's columns."""
+    cells = prepared(4.0, WINDS, latitudes_deg=[-62, -54], longitudes_deg=[176, -176], hours_utc=[0, 12])
+    ends = np.array([0.0, 0.5, 1.0])
+    places = [law.draw(ends, ends) for law in cells._laws]
+    assert [(law.south, law.north) for law in cells._laws] == [(-62.0, -58.0)] * 2 + [(-58.0, -54.0)] * 2
+    for (north, east), middle in zip(places, [178.0, -178.0] * 2, strict=True):
+        assert np.sin(np.radians(north[1])) == pytest.approx(np.mean(np.sin(np.radians(north[[0, 2]]))))
+        assert (east - middle + 180.0) % 360.0 - 180.0 == pytest.approx([-2.0, 0.0, 2.0])
+        assert np.all(np.abs(east) <= 180.0)
 
 
 def test_land_has_no_chance(biscay):
@@ -75,7 +78,8 @@ def test_land_has_no_chance(biscay):
     assert biscay.probability.shape == (2, 2, 1, 2)
     assert not bool(biscay.probability.isnull().any())
     france = likelihood_map(scenario(weather="world", latitudes_deg=[40, 44], longitudes_deg=[-14, 2], months=[7]), step=4.0)
-    at_sea = world.at_sea(*np.meshgrid(np.linspace(40.2, 43.8, 9), france.longitude.values, indexing="ij")).any(axis=0)
+    inside = france.longitude.values[:, None] + np.linspace(-1.9, 1.9, 39)
+    at_sea = np.array([world.at_sea(*np.meshgrid(np.linspace(40.1, 43.9, 39), east, indexing="ij")).any() for east in inside])
     assert france.probability.isnull().values[0, 0, 0].tolist() == (~at_sea).tolist()
     assert 0 < at_sea.sum() < at_sea.size
 

@@ -61,12 +61,18 @@ def test_the_season_follows_hemisphere_and_month() -> None:
         assert np.average(drawn.wind, weights=drawn.weight) == pytest.approx(mean, rel=0.015)
 
 
-def test_draws_on_land_do_not_count() -> None:
-    """A region half of which is Africa: all chances are those of the draws at sea."""
+def test_all_draws_of_a_region_are_at_sea_and_even_over_its_area() -> None:
+    """A region half of which is Africa: no draw on land, and means of the places are those of the sea of a fine grid."""
     drawn = draw(model({"weather": "world", "latitudes_deg": [10, 20], "longitudes_deg": [-30, 0]}), samples=8192)
-    at_sea = world_weather().at_sea(drawn.where.latitude, drawn.where.longitude)
-    assert 0.2 < at_sea.mean() < 0.8
-    assert np.array_equal(drawn.weight > 0.0, at_sea)
+    # Borders of the sea are known to half a degree.
+    assert world_weather().at_sea(drawn.where.latitude, drawn.where.longitude).mean() > 0.98
+    north, east = (x.ravel() for x in np.meshgrid(np.arange(10.05, 20, 0.1), np.arange(-29.95, 0, 0.1), indexing="ij"))
+    sea = world_weather().at_sea(north, east)
+    assert 0.3 < sea.mean() < 0.8
+    area = np.cos(np.radians(north[sea]))
+    for places, fine in ((drawn.where.latitude, north[sea]), (drawn.where.longitude, east[sea])):
+        assert np.average(places, weights=drawn.weight) == pytest.approx(np.average(fine, weights=area), abs=0.15)
+        assert np.average(places**2, weights=drawn.weight) == pytest.approx(np.average(fine**2, weights=area), rel=0.02)
 
 
 def test_the_world_is_the_region_by_default() -> None:
@@ -127,11 +133,11 @@ def test_strong_winds_are_counted_in_the_months_of_the_draws() -> None:
 
 
 def test_without_a_name_the_climatology_serves_where_it_has_the_place() -> None:
-    assert model({"place": [50, -30]}).world is not None
+    assert model({"place": [50, -30]}).climatology is not None
     mediterranean = model({"place": [36, 18]})
-    assert mediterranean.world is None
+    assert mediterranean.climatology is None
     assert any("the packaged table north-atlantic" in note for note in mediterranean.notes)
-    assert model({}).world is None
+    assert model({}).climatology is None
 
 
 def test_the_same_seed_gives_the_same_draws() -> None:

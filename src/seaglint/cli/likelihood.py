@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from seaglint.scenario.model import Scenario
 
 _FILES = ("likelihood.json", "likelihood.csv", "strata.csv", "likelihood.png")
+_TRACK_FILES = ("track.json", "track.csv", "track.png")
 _BEST_FILES = ("best_looks.json", "best_looks.csv", "best_looks.png")
 
 
@@ -191,7 +192,7 @@ def _along(loaded: Scenario, request: LikelihoodRequest, output: Path | None, as
     from seaglint.store.outputs import write_json
     from seaglint.studies.likelihood.ship_track import along_track
 
-    files = _track_files(output, run.overwrite, inputs)
+    files = _files(output, _TRACK_FILES, run.overwrite, inputs)
     assert request.track is not None  # the caller's case
     with naming_file(inputs[0], loaded):
         chances = along_track(
@@ -228,21 +229,6 @@ def track_lines(chances: TrackChances) -> list[str]:
             lasts, back = _hours(row.forecast_mean_duration_hours), _hours(row.forecast_mean_return_hours)
             out.append(f"  by the forecast {row.forecast_hours:.3g} of {chances.hours:.3g} h; it lasts {lasts} and comes back after {back}")
     return out
-
-
-def _track_files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Path]:
-    """Return the files of a track to write, refused before the work where they exist."""
-    from seaglint.base.errors import DataError
-    from seaglint.store.outputs import made_folder, refuse_existing
-
-    if output is None:
-        return []
-    if output.suffix in (".csv", ".json", ".png"):
-        return [refuse_existing(output, overwrite=overwrite, inputs=inputs)]
-    if output.suffix:
-        raise DataError(f"{output}: give a folder, or a name that ends in .csv (the way), .json (all) or .png (with --track)")
-    made_folder(output, "choose another folder with -o")
-    return [refuse_existing(output / f"track{ending}", overwrite=overwrite, inputs=inputs) for ending in (".json", ".csv", ".png")]
 
 
 def _hours(value: float | None) -> str:

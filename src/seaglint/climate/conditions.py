@@ -27,7 +27,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from typing import Final, Literal, NamedTuple
+from typing import Final, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -335,9 +335,20 @@ class GeographicRegion:
         latitude = (
             np.degrees(np.arcsin(np.clip(low + (high - low) * across, -1.0, 1.0))) if high > low else np.full(across.size, self.south)
         )
+        return latitude, (self.west + self.width * along + 180.0) % 360.0 - 180.0
+
+    @property
+    def width(self) -> float:
+        """Width from the western to the eastern border [deg]."""
         width = self.east - self.west
-        width = width if 0.0 <= width <= 360.0 else width % 360.0
-        return latitude, (self.west + width * along + 180.0) % 360.0 - 180.0
+        return width if 0.0 <= width <= 360.0 else width % 360.0
+
+
+class PlaceLaw(Protocol):
+    """Law of the place of a draw."""
+
+    def draw(self, across: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Latitudes and longitudes at uniform numbers [deg]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -369,7 +380,7 @@ def conditions(
     table: WeatherTable,
     uniform: Mapping[str, FloatArray],
     when: Times | float | None,
-    where: GeographicRegion | tuple[float, float] | tuple[FloatArray, FloatArray] | None,
+    where: PlaceLaw | tuple[float, float] | tuple[FloatArray, FloatArray] | None,
     some: NDArray[np.intp] | None = None,
     *,
     by_daylight: bool = False,
@@ -384,7 +395,7 @@ def conditions(
         Uniform numbers [(n,)] named ``row, cover, day, hour, across, along``.
     when : Times, float or None
         Law of the time, one time [s since 1970-01-01 UTC], or None where the Sun is given.
-    where : GeographicRegion, tuple or None
+    where : PlaceLaw, tuple or None
         Law of the place, one place (latitude, longitude) [deg] or one for each draw; None takes the rows' own, with their months and hours.
     some : ndarray of int, optional
         The only rows to draw from, with a law of the time.
@@ -414,13 +425,13 @@ def conditions(
 def times_and_places(
     uniform: Mapping[str, FloatArray],
     when: Times | float,
-    where: GeographicRegion | tuple[float, float] | tuple[FloatArray, FloatArray],
+    where: PlaceLaw | tuple[float, float] | tuple[FloatArray, FloatArray],
     *,
     by_daylight: bool = False,
 ) -> Conditions:
     """Draw times and places; parameters as in ``conditions``. The rows are 0."""
     count = uniform["row"].size
-    place = where.draw(uniform["across"], uniform["along"]) if isinstance(where, GeographicRegion) else [np.full(count, x) for x in where]
+    place = [np.full(count, x) for x in where] if isinstance(where, tuple) else where.draw(uniform["across"], uniform["along"])
     weight = None
     if isinstance(when, float):
         time = np.full(count, when)

@@ -225,12 +225,9 @@ class WorldWeather:
     ) -> WeatherOfDraws:
         """Draw wind and cloud cover about the means at uniform numbers, by the laws of ``weather_laws``; parameters as in ``at``.
 
-        Places without data get an arbitrary weather: their draws need a weight of 0.
+        Places must be at sea.
         """
         means = self.at(time_of_year, latitude, longitude)
-        lost = np.isnan(means.wind_speed_m_s)
-        if lost.any():
-            means = MeanConditions(*(np.where(lost, fallback, values) for values, fallback in zip(means, _ANYWHERE, strict=True)))
         speed = wind_at(wind, means.wind_speed_m_s, wind_shape(latitude, means.wind_speed_m_s))
         return WeatherOfDraws(speed, cloud_at(joined(wind, cloud), means.cloud_cover), np.full(speed.shape, np.nan), means.model)
 
@@ -276,20 +273,6 @@ class WorldWeather:
         rows, columns = np.nonzero(self.sea)
         north = self.latitude[rows]
         return north, self.longitude[columns], np.cos(np.radians(north))
-
-    def few(self, rows: ArrayLike, columns: ArrayLike, months: Sequence[int] = ()) -> list[tuple[int, int, int, int]]:
-        """Months and cells at these indices with fewer than ``FEW`` wind observations: (month, row, column, number)."""
-        out = []
-        for month in months or range(1, 13):
-            for row, column in zip(np.atleast_1d(rows).tolist(), np.atleast_1d(columns).tolist(), strict=True):
-                number = round(float(self.observations[month - 1, row, column]))
-                if self.sea[row, column] and number < FEW:
-                    out.append((month, row, column, number))
-        return out
-
-
-#: Means in place of missing ones, of draws that do not count.
-_ANYWHERE: Final = (7.0, 0.6, 288.0, 288.0, 0.008, 1013.0)
 
 
 def time_of_year(seconds: FloatArray) -> FloatArray:
@@ -351,8 +334,8 @@ def _in_si(name: str, values: FloatArray) -> FloatArray:
 def few_observations(world: WorldWeather, latitude: float, longitude: float, months: Sequence[int]) -> str | None:
     """Sentence on the months of a place's cell that rest on few observations; None without any."""
     row, column = world.cell_of(latitude, longitude)
-    few = world.few(row, column, months)
-    if not few:
+    counts = {MONTHS[month - 1]: round(float(world.observations[month - 1, row, column])) for month in months}
+    few = ", ".join(f"{month} {number}" for month, number in counts.items() if number < FEW)
+    if not few or not world.sea[row, column]:
         return None
-    each = ", ".join(f"{MONTHS[month - 1]} {number}" for month, _, _, number in few)
-    return f"few wind observations in the cell of [{latitude:g}, {longitude:g}]: {each}; below {FEW} a month's means are uncertain"
+    return f"few wind observations in the cell of [{latitude:g}, {longitude:g}]: {few}; below {FEW} a month's means are uncertain"

@@ -14,11 +14,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.climate.weather_columns import MappedColumn
 from seaglint.climate.weather_selection import Selection
 from seaglint.climate.weather_table import NEEDED, RANGES, TEXTS, WeatherTable
-from seaglint.climate.world_weather import FEW, NAME, few_observations, world_weather
+from seaglint.climate.world_weather import FEW, NAME, world_weather
 from seaglint.formats.tables.table_text import require_parquet
 from seaglint.formats.weather import era5_weather as era5
 from seaglint.formats.weather import marine_reports
@@ -57,8 +58,8 @@ def read_weather(path: str | Path) -> WeatherFile:
         A Parquet file, and PyArrow is not installed.
     """
     if is_world(path):
-        north, east, area = world_weather().cells()
-        return WeatherFile(world_weather().table(north, east, area=area), notes_of_world())
+        world = _read_world(Selection())
+        return WeatherFile(WeatherTable(world.columns, world.texts), world.notes)
     path = shipped(str(path)) if str(path) in SHIPPED and not Path(path).exists() else Path(path)
     return _read_parquet(path) if path.suffix.lower() == ".parquet" else _read_csv(path)
 
@@ -68,38 +69,39 @@ def is_world(path: str | Path) -> bool:
     return str(path) == NAME and not Path(path).exists()
 
 
-def notes_of_world() -> tuple[str, ...]:
-    """Notes on the climatology as a table of rows."""
-    counts = world_weather().observations[:, world_weather().sea]
-    return (
+def _notes_of_world(counts: FloatArray) -> list[str]:
+    """Return notes on rows of the climatology that rest on numbers of observations."""
+    few, none = int(np.sum((counts > 0.0) & (np.rint(counts) < FEW))), int(np.sum(counts == 0.0))
+    return [
         "monthly means of ships' observations in cells of 4 x 5 deg, 70 S to 78 N (Esbensen and Kushnir 1981); land, ice and inland seas "
         "such as the Mediterranean have no data",
-        f"{int(np.sum((counts > 0.0) & (counts < FEW - 0.5)))} of {int(np.sum(counts > 0.0))} months of cells rest on fewer than {FEW} "
-        f"wind observations; {int(np.sum(counts == 0.0))} without any are interpolated between months",
+        f"{few} of {counts.size} months of cells rest on fewer than {FEW} wind observations; {none} without any are interpolated "
+        "between months",
         "wind by Weibull laws of shape 2.1 to 3, cloud cover by beta laws in oktas, joined with a correlation of 0.15: shapes, share of "
         "overcast skies and correlation are estimates",
         "no wind direction and no hour",
-    )
+    ]
 
 
-def _read_world(selection: Selection, place: tuple[float, float] | None) -> WeatherSource:
+def _read_world(selection: Selection, place: tuple[float, float] | None = None) -> WeatherSource:
     """Return rows of the climatology: at a place, or in the selected cells."""
-    world, months = world_weather(), selection.months or ()
-    notes = list(notes_of_world())
+    world, months, other = world_weather(), selection.months or tuple(range(1, 13)), None
     try:
         if place is not None:
             north, east, other = world.sea_at(*place)
-            notes += filter(None, (other, few_observations(world, north, east, months or range(1, 13))))
-            table = world.table(north, east, months)
+            norths, easts, area = np.array([north]), np.array([east]), np.ones(1)
         else:
             norths, easts, area = world.cells()
             inside = selection.places(norths, easts)
             if not inside.any():
                 raise DomainError(f"nothing in {' and '.join(selection.words)}; the climatology covers seas from 70 S to 78 N")
-            table = world.table(norths[inside], easts[inside], months, area=area[inside])
+            norths, easts, area = norths[inside], easts[inside], area[inside]
     except DomainError as error:
         raise DataError(f"{NAME}: {error}") from None
-    return WeatherSource(Path(NAME), "climatology", table.columns, len(table), table.texts, notes=tuple(notes))
+    row, column = world.cell_of(norths, easts)
+    notes = _notes_of_world(world.observations[np.array(months)[:, None] - 1, row, column])
+    table = world.table(norths, easts, months, area=area)
+    return WeatherSource(Path(NAME), "climatology", table.columns, len(table), table.texts, notes=(*notes, *([other] if other else [])))
 
 
 def shipped(name: str) -> Path:

@@ -17,7 +17,8 @@ from seaglint.climate.look_chances import BEARINGS, NO_LIGHT, BestLooks
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.quantities import YEARS
-from seaglint.studies.likelihood.draw_model import LikelihoodModel, likelihood_table
+from seaglint.studies.likelihood.climatology import likelihood_table
+from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 

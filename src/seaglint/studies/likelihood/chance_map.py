@@ -16,17 +16,18 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import ScenarioError
 from seaglint.base.parameters import documented
-from seaglint.climate.conditions import Conditions, GeographicRegion, Times
+from seaglint.climate.conditions import Conditions, GeographicRegion, PlaceLaw, Times
 from seaglint.climate.draws import SamplingPlan
+from seaglint.climate.sea_places import sea_places
 from seaglint.climate.weather_table import WeatherTable
-from seaglint.climate.world_weather import WorldWeather
 from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
 from seaglint.scenario.model import Scenario
 from seaglint.store.provenance import provenance
 from seaglint.studies.build.profile_air import report_air
 from seaglint.studies.build.scenario_physics import band
-from seaglint.studies.likelihood.draw_model import EVERYWHERE, LikelihoodModel
+from seaglint.studies.likelihood.climatology import EVERYWHERE
+from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
@@ -175,12 +176,12 @@ class PreparedMap:
         """Read the weather and lay out the cells."""
         model = LikelihoodModel.of(settings.scenario, settings.weather)
         likelihood = model.settings
-        region = EVERYWHERE if model.where is None and model.world is not None else model.where
+        region = EVERYWHERE if model.where is None and model.climatology is not None else model.where
         if not isinstance(region, GeographicRegion):
             missing = "likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders"
             raise ScenarioError(f"{missing}, or weather = 'world' without a place for all seas")
-        # A region may cross the date line.
-        wide = region.east - region.west if region.east > region.west else region.east - region.west + 360.0
+        # A region may cross the date line, and one with equal borders is the whole circle.
+        wide = region.width or 360.0
         step, notes = settings.step or STEP, list(model.notes)
         if settings.step is None and (region.north - region.south) * wide > _WIDE * STEP**2:
             step = WIDE_STEP
@@ -195,7 +196,7 @@ class PreparedMap:
         samples = settings.samples or (INTEGRATED if whole else SAMPLES)
         hourless = model.table is None or np.isnan(model.table["hour_utc"]).all()
         known = isinstance(model.when, Times) and model.when.hours == (0.0, 24.0) and hourless
-        alike = bool(model.world is None and rows is None and known)
+        alike = bool(model.climatology is None and rows is None and known)
         each = min(samples * longitude.size, max(samples, _SHARED)) if alike else samples
         # Sobol points are even in powers of two.
         plan = SamplingPlan(1, 2 ** round(math.log2(each)))
@@ -220,8 +221,9 @@ class PreparedMap:
     @property
     def support(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.int64], dict[str, str]]]:
         """Variable of the data behind each cell: rows of weather, or observations of the climatology by month."""
-        shape, world = (self.latitude.size, self.longitude.size), self.model.world
-        if world is not None:
+        shape = (self.latitude.size, self.longitude.size)
+        if self.model.climatology is not None:
+            world = self.model.climatology.world
             row, column = world.cell_of(*np.meshgrid(self.latitude, self.longitude, indexing="ij"))
             inside = (row >= 0) & (row < world.latitude.size)
             months = np.array(self.months)[:, None, None] - 1
@@ -235,22 +237,32 @@ class PreparedMap:
     def piece(self, month: int, first: int) -> FloatArray:
         """Return chances of a month, by its place among the months, from a latitude on [(thresholds, latitudes, longitudes drawn)]."""
         of_month, u = self._of_month(month)
-        band = slice(first, min(first + self.together, self.latitude.size))
-        count = (band.stop - first) * self.across.size
-        places = _inside(self.latitude[band], self.across, self.step, u)
-        if self.model.world is not None:
-            places = _at_sea(places, self.model.world, self.plan.total)
-        tiled = {name: np.tile(values, count) for name, values in u.items()}
-        of_cells = None if self.rows is None else self.rows[first * self.across.size :][:count]
-        drawn = evaluated(of_month, tiled, _drawn(of_month, tiled, places, of_cells), self.plan, integrated=self.whole)
-        weight = drawn.weight.reshape(-1, self.across.size, self.plan.total)
-        out = np.empty((len(self.model.settings.threshold_w_m2_sr), *weight.shape[:2]))
-        for t, threshold in enumerate(self.model.settings.threshold_w_m2_sr):
-            values = draw_values(of_month, drawn, threshold).reshape(weight.shape)
-            total = weight.sum(axis=2)
-            # Cells without a draw at sea have no chance.
-            out[t] = np.divide((values * weight).sum(axis=2), total, out=np.full(total.shape, np.nan), where=total > 0.0)
-        return out
+        laws = self._laws[first * self.across.size : (first + self.together) * self.across.size]
+        # Cells on land have no chance.
+        cells = [k for k, law in enumerate(laws) if law is not None]
+        out = np.full((len(self.model.settings.threshold_w_m2_sr), len(laws)), np.nan)
+        if cells:
+            north, east = zip(*(law.draw(u["across"], u["along"]) for law in laws if law is not None), strict=True)
+            places = np.concatenate(north), np.concatenate(east)
+            tiled = {name: np.tile(values, len(cells)) for name, values in u.items()}
+            of_cells = None if self.rows is None else [self.rows[first * self.across.size + k] for k in cells]
+            drawn = evaluated(of_month, tiled, _drawn(of_month, tiled, places, of_cells), self.plan, integrated=self.whole)
+            weight = drawn.weight.reshape(len(cells), self.plan.total)
+            for t, threshold in enumerate(self.model.settings.threshold_w_m2_sr):
+                values = draw_values(of_month, drawn, threshold).reshape(weight.shape)
+                out[t, cells] = (values * weight).sum(axis=1) / weight.sum(axis=1)
+        return out.reshape(out.shape[0], -1, self.across.size)
+
+    @cached_property
+    def _laws(self) -> list[PlaceLaw | None]:
+        """Law of the place in each cell that is drawn, row by row: even over its area, or over that of its sea; None on land."""
+        half, climatology = 0.5 * self.step, self.model.climatology
+        laws: list[PlaceLaw | None] = []
+        for north in self.latitude.tolist():
+            for east in self.across.tolist():
+                cell = GeographicRegion(max(north - half, -90.0), min(north + half, 90.0), east - half, east + half)
+                laws.append(cell if climatology is None else sea_places(climatology.world, cell))
+        return laws
 
     @cached_property
     def _of_months(self) -> dict[int, tuple[LikelihoodModel, dict[str, FloatArray]]]:
@@ -298,26 +310,6 @@ def _drawn(
         parts.append(model.conditions(own, (places[0][cell], places[1][cell]), rows, by_daylight=True))
     weight = None if parts[0].weight is None else np.concatenate([p.weight for p in parts if p.weight is not None])
     return Conditions(np.concatenate([p.rows for p in parts]), np.concatenate([p.time for p in parts]), *places, weight)
-
-
-def _inside(latitude: FloatArray, longitude: FloatArray, step: float, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Return the places of the draws in each cell, cell by cell [deg]."""
-    # Uniform within each cell; the date line wraps.
-    north = np.clip(latitude[:, None, None] + step * (u["across"] - 0.5), -90.0, 90.0)
-    east = (longitude[:, None] + step * (u["along"] - 0.5) + 180.0) % 360.0 - 180.0
-    shape = (latitude.size, longitude.size, u["across"].size)
-    return np.broadcast_to(north, shape).ravel(), np.broadcast_to(east, shape).ravel()
-
-
-def _at_sea(places: tuple[FloatArray, FloatArray], world: WorldWeather, total: int) -> tuple[FloatArray, FloatArray]:
-    """Return places of which those on land are replaced by those at sea in the same cell, so that all draws of coastal cells count."""
-    sea = world.at_sea(*places).reshape(-1, total)
-    from_place = np.tile(np.arange(total), (sea.shape[0], 1))
-    count = sea.sum(axis=1)
-    for cell in np.flatnonzero((count > 0) & (count < total)):
-        # Each place at sea serves equally often.
-        from_place[cell, ~sea[cell]] = np.flatnonzero(sea[cell])[np.arange(total - count[cell]) * count[cell] // (total - count[cell])]
-    return tuple(np.take_along_axis(values.reshape(sea.shape), from_place, axis=1).ravel() for values in places)  # type: ignore[return-value]
 
 
 def _cells(table: WeatherTable, latitude: FloatArray, longitude: FloatArray) -> list[NDArray[np.intp]] | None:

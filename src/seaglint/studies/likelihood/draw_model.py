@@ -6,11 +6,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gamma
 
 from seaglint.air.profile.aerosols import wind_kinks
 from seaglint.air.profile.air_profile import AirProfile, model_profile
@@ -34,20 +33,9 @@ from seaglint.climate.conditions import (
 from seaglint.climate.ephemeris import Ephemeris
 from seaglint.climate.glint_radiance import DetectionCurve, Search, WindSlopes, seas
 from seaglint.climate.mirrored_sunlight import MirroredLight, mirrored_light
-from seaglint.climate.weather_laws import wind_shape
 from seaglint.climate.weather_selection import GeographicBox
 from seaglint.climate.weather_table import WeatherTable, stand_ins_told
-from seaglint.climate.world_weather import (
-    CELL,
-    FEW,
-    NAME,
-    NEAR_M,
-    WorldWeather,
-    few_observations,
-    model_atmospheres,
-    time_of_year,
-    world_weather,
-)
+from seaglint.climate.world_weather import NAME, time_of_year
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.formats.lowtran.deck import MODELS
 from seaglint.formats.weather.weather_cells import read_cells
@@ -62,10 +50,9 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.profile_air import model_air, requested_gases
 from seaglint.studies.build.waves_and_slopes import slopes
+from seaglint.studies.likelihood.climatology import Climatology, climatology_at, likelihood_table, place_law, which_place
 
 _SHARED = ("light", "seas", "ephemeris", "bandwidth", "curve")  #: Tables that scenarios with the same air, sea and year share.
-
-EVERYWHERE: Final = GeographicRegion(-72.0, 80.0, -180.0, 180.0)  #: Region of the climatology.
 
 LOOK_COLUMNS = ("depression_deg", "azimuth_from_sun_deg", "height_m", "weight")
 
@@ -76,7 +63,7 @@ class LikelihoodModel:
 
     scenario: Scenario  #: Scenario with ``[likelihood]``.
     table: WeatherTable | None  #: Rows with wind and cover, in the order of the wind; None with the climatology.
-    world: WorldWeather | None  #: Climatology of the world's seas, from whose laws weather is drawn; None with a table.
+    climatology: Climatology | None  #: Climatology of the world's seas, from whose laws weather is drawn; None with a table.
     models: tuple[str, ...]  #: Model atmospheres that the weather names; the scenario's where it names none.
     row_model: NDArray[np.int64]  #: Place among them of each row's model, or of each model of the climatology.
     winds: tuple[float, float]  #: Lowest and highest wind of seas and air [m/s].
@@ -93,17 +80,21 @@ class LikelihoodModel:
             Files or settings that models refuse.
         """
         settings = likelihood_table(scenario)
-        notes = _which_place(scenario)
-        if weather is None and _uses_world(scenario, notes):
-            world = world_weather()
-            notes += _about_world(scenario, world)
-            models, row_model = _models_of_world(scenario, world)
-            winds = _winds_of_world(scenario, world, notes)
-            looks = _looks(settings, notes)
-            return cls(scenario, None, world, models=models, row_model=row_model, winds=winds, looks=looks, notes=tuple(notes))
+        notes = which_place(scenario)
+        if weather is None and (settings.weather is None or settings.of_the_world):
+            found = climatology_at(scenario)
+            if isinstance(found, Climatology):
+                top = _strongest(scenario)
+                notes += found.notes(top)
+                _air_of_strong_winds(scenario, top, notes)
+                models, row_model = found.models
+                looks = _looks(settings, notes)
+                return cls(scenario, None, found, models=models, row_model=row_model, winds=(0.0, top), looks=looks, notes=tuple(notes))
+            notes.append(f"likelihood.weather is not given, and {found}: the packaged table {NORTH_ATLANTIC} serves")
         if weather is None:
-            weather, source = _weather(scenario)
-            notes += source
+            file = read_weather(settings.weather or NORTH_ATLANTIC)
+            weather = file.table
+            notes += () if settings.weather is None else file.remarks
         table, dropped = _complete(weather, settings)
         if dropped:
             notes.append(f"{dropped} of {len(weather)} rows of weather left out: wind speed or cloud cover missing")
@@ -142,7 +133,7 @@ class LikelihoodModel:
     @cached_property
     def where(self) -> GeographicRegion | tuple[float, float] | None:
         """Law of the place."""
-        return _where(self.scenario)
+        return place_law(self.scenario)
 
     @cached_property
     def ephemeris(self) -> Ephemeris:
@@ -160,31 +151,27 @@ class LikelihoodModel:
     ) -> Conditions:
         """Draw times, places and rows of weather at uniform numbers; ``places`` [deg] replace the law of the place.
 
-        ``some`` are the only rows to draw from. Draws of the climatology on land have the weight 0.
+        ``some`` are the only rows to draw from.
         """
         where = self.where if places is None else places
-        if self.world is None:
+        if self.climatology is None:
             assert self.table is not None  # one of both is given
             return conditions(self.table, u, self.when, where, some, by_daylight=by_daylight)
+        law = where if isinstance(where, tuple) else self.climatology.places
         when = self.when
         if when is None:  # under a given Sun the weather has times of its own
             when, by_daylight = Times(self.settings.year, self.settings.months or (), self.settings.hours_utc), False
-        drawn = times_and_places(u, when, EVERYWHERE if where is None else where, by_daylight=by_daylight)
-        if isinstance(where, tuple) and places is None:
-            return drawn
-        weight = np.ones(drawn.time.size) if drawn.weight is None else drawn.weight
-        return replace(drawn, weight=weight * self.world.at_sea(drawn.latitude, drawn.longitude))
+        return times_and_places(u, when, law, by_daylight=by_daylight)
 
     def weather(self, where: Conditions, u: Mapping[str, FloatArray]) -> WeatherOfDraws:
         """Wind, cover and model atmosphere of draws."""
-        if self.world is None:
+        if self.climatology is None:
             return self._weather_of_rows(where, u)
         latitude, longitude = where.latitude, where.longitude
-        if isinstance(self.where, tuple) and not bool(self.world.at_sea(*self.where)):
-            # A place in a bight or harbour: the nearest sea.
-            north, east, _ = self.world.nearest_sea(*self.where)
-            latitude, longitude = np.full(latitude.shape, north), np.full(longitude.shape, east)
-        drawn = self.world.draw(time_of_year(where.time), latitude, longitude, u["row"], u["cover"])
+        if isinstance(self.where, tuple):
+            # A place in a bight or harbour has the weather of the nearest sea.
+            latitude, longitude = (np.full(latitude.shape, value) for value in self.climatology.world.sea_at(*self.where)[:2])
+        drawn = self.climatology.world.draw(time_of_year(where.time), latitude, longitude, u["row"], u["cover"])
         return drawn._replace(model=self.row_model[drawn.model])
 
     def _weather_of_rows(self, where: Conditions, u: Mapping[str, FloatArray]) -> WeatherOfDraws:
@@ -300,7 +287,7 @@ class LikelihoodModel:
     @property
     def weather_name(self) -> str | None:
         """File of the weather, or its name in the package; None for a packaged table that the scenario does not name."""
-        if self.world is not None:
+        if self.climatology is not None:
             return NAME
         return None if self.settings.weather is None else str(self.settings.weather)
 
@@ -320,150 +307,6 @@ class LikelihoodModel:
         new = replace(self, scenario=self.scenario.model_copy(update={"likelihood": settings}))
         new.share(self)
         return new
-
-
-def likelihood_table(scenario: Scenario) -> Likelihood:
-    """Return the scenario's table ``[likelihood]``; a scenario without it is refused."""
-    if scenario.likelihood is None:
-        raise ScenarioError("likelihood is missing: add a table [likelihood] with weather, threshold_w_m2_sr and case")
-    return scenario.likelihood
-
-
-def _where(scenario: Scenario) -> GeographicRegion | tuple[float, float] | None:
-    """Return the law of the place: ``likelihood.place`` before a region, and a region before ``[place]``; None where none is stated."""
-    settings, place = likelihood_table(scenario), scenario.place
-    if settings.place is not None:
-        return settings.place
-    if settings.latitudes_deg is not None and settings.longitudes_deg is not None:
-        return GeographicRegion(*settings.latitudes_deg, *settings.longitudes_deg)
-    return None if place is None else (place.latitude_deg, place.longitude_deg)
-
-
-def _which_place(scenario: Scenario) -> list[str]:
-    """Return a note where several places are stated, of which one is used."""
-    settings = likelihood_table(scenario)
-    if settings.place is None:
-        return []
-    others = [
-        name
-        for name, given in (
-            ("[place]", scenario.place is not None),
-            ("the region of likelihood.latitudes_deg and longitudes_deg", settings.latitudes_deg is not None),
-            ("likelihood.place_from_weather", settings.place_from_weather),
-        )
-        if given
-    ]
-    at = f"likelihood.place = [{settings.place[0]:g}, {settings.place[1]:g}]"
-    notes = [f"{at} is used instead of {' and '.join(others)}"] if others else []
-    if scenario.sun is not None:
-        notes.append(f"the Sun is that of [sun]; {at} is the place of the weather alone")
-    return notes
-
-
-def _uses_world(scenario: Scenario, notes: list[str]) -> bool:
-    """Return whether weather is drawn from the climatology: by name, or by default where it has the place."""
-    settings = likelihood_table(scenario)
-    if settings.weather is not None:
-        return settings.of_the_world
-    where, world = _where(scenario), world_weather()
-    if where is None:
-        return False
-    near = world.nearest_sea(*where)[2] <= NEAR_M if isinstance(where, tuple) else _cells_of(world, where)[0].size > 0
-    if near:
-        notes.append("likelihood.weather is not given: the climatology 'world', monthly means of ships' observations")
-        return True
-    return False
-
-
-def _cells_of(world: WorldWeather, where: GeographicRegion | tuple[float, float] | None) -> tuple[FloatArray, FloatArray]:
-    """Return places that stand for a law of the place: a point, or the middles of the cells inside a region [deg]."""
-    if isinstance(where, tuple):
-        at = where if bool(world.at_sea(*where)) else world.nearest_sea(*where)
-        return np.array([at[0]]), np.array([at[1]])
-    north, east, _ = world.cells()
-    if where is None:
-        return north, east
-    box = GeographicBox(where.west, where.south, where.east, where.north)
-    # A region between the middles of cells is inside one.
-    half = np.array(CELL) / 2.0
-    wider = GeographicBox(box.west - half[1], max(box.south - half[0], -90.0), box.east + half[1], min(box.north + half[0], 90.0))
-    inside = wider.holds(north, east) if where.east - where.west < 360.0 - 2 * half[1] else (north >= wider.south) & (north <= wider.north)
-    return north[inside], east[inside]
-
-
-def _months(scenario: Scenario) -> tuple[int, ...]:
-    """Return the months of the draws: that of a stated time, those of the scenario, or all."""
-    if scenario.sun is None and scenario.time is not None:
-        return (scenario.time.utc.month,)
-    return likelihood_table(scenario).months or tuple(range(1, 13))
-
-
-def _about_world(scenario: Scenario, world: WorldWeather) -> list[str]:
-    """Return notes on the climatology at the places of a scenario; a place or region without sea is refused."""
-    settings, where, months = likelihood_table(scenario), _where(scenario), _months(scenario)
-    notes = []
-    if settings.smooth:
-        notes.append("likelihood.smooth = true has no effect: the climatology 'world' has continuous laws")
-    north, east = _cells_of(world, where)
-    if isinstance(where, tuple):
-        name = "likelihood.place" if settings.place is not None else "place"
-        *served, other = world.sea_at(*where, name)
-        return [*notes, *filter(None, (other, few_observations(world, served[0], served[1], months)))]
-    if north.size == 0:
-        assert where is not None  # the world has cells
-        middle = 0.5 * (where.south + where.north), 0.5 * (where.west + where.east)
-        nearest, east_of_it, distance = world.nearest_sea(*middle)
-        raise DataError(
-            f"likelihood.latitudes_deg = [{where.south:g}, {where.north:g}], longitudes_deg = [{where.west:g}, {where.east:g}]: no sea of "
-            f"the climatology 'world' inside; the nearest is [{nearest:g}, {east_of_it:g}], {1e-3 * distance:.0f} km from the middle"
-        )
-    few_cells = world.few(*world.cell_of(north, east), months)
-    if few_cells:
-        notes.append(
-            f"{len(few_cells)} of {north.size * len(months)} months of the region's cells rest on fewer than {FEW} wind observations"
-        )
-    return notes
-
-
-def _models_of_world(scenario: Scenario, world: WorldWeather) -> tuple[tuple[str, ...], NDArray[np.int64]]:
-    """Return the model atmospheres of the climatology at the scenario's places, and the place of each model of all among them."""
-    names = [name for name, _ in model_atmospheres()]
-    if not isinstance(scenario.atmosphere, TableAtmosphereSettings):
-        return (scenario.atmosphere.source,), np.zeros(len(names), dtype=np.int64)
-    north, east = _cells_of(world, _where(scenario))
-    # Tables of light cost some seconds for each model: those between the driest and the wettest air suffice. A track has all places.
-    there = world.at(np.arange(24.0)[:, None] / 2.0, north, east).model
-    first, last = int(there.min()), int(there.max())
-    return tuple(names[first : last + 1]), np.clip(np.arange(len(names)) - first, 0, last - first)
-
-
-def _winds_of_world(scenario: Scenario, world: WorldWeather, notes: list[str]) -> tuple[float, float]:
-    """Return the winds of seas and air, as ``_winds``; the share of stronger ones is that of the laws."""
-    top, (north, east) = _strongest(scenario), _cells_of(world, _where(scenario))
-    mean = world.of_month(np.array(_months(scenario))[:, None], north, east).wind_speed_m_s
-    shape = wind_shape(north, mean)
-    share = float(np.nanmean(np.exp(-((top / mean * gamma(1.0 + 1.0 / shape)) ** shape))))
-    if share > 1e-9:
-        notes.append(f"{100 * share:.2g} % of the winds are above {top:g} m/s, taken as {top:g}")
-    _air_of_strong_winds(scenario, top, notes)
-    return 0.0, top
-
-
-def _weather(scenario: Scenario) -> tuple[WeatherTable, tuple[str, ...]]:
-    """Return the named table, or the packaged one, with remarks."""
-    settings, where = likelihood_table(scenario), _where(scenario)
-    if settings.weather is None:
-        why = "no place is known" if where is None else "the region has no sea of the climatology 'world'"
-        if isinstance(where, tuple):
-            try:
-                world_weather().sea_at(*where)
-            except DomainError as error:
-                why = str(error)
-        return read_weather(NORTH_ATLANTIC).table, (
-            f"likelihood.weather is not given, and {why}: the packaged table {NORTH_ATLANTIC} serves",
-        )
-    file = read_weather(settings.weather)
-    return file.table, file.remarks
 
 
 def _complete(table: WeatherTable, settings: Likelihood) -> tuple[WeatherTable, int]:

@@ -59,7 +59,7 @@ class Draws:
 
     plan: SamplingPlan  #: Number and order of the draws.
     where: Conditions  #: Weather row, time and place.
-    weight: FloatArray  #: Weight of each draw [1]: low Suns are drawn more often than they occur; 0 on land, where the climatology is used.
+    weight: FloatArray  #: Weight of each draw [1], 1 on average: low Suns are drawn more often than they occur.
     sight: Looks  #: Results of the looks, with the radiance.
     illuminated: FloatArray  #: Chance that clouds leave the Sun free [1].
     wind: FloatArray  #: Wind speed [m/s].
@@ -430,7 +430,7 @@ def evaluated(
     columns = [air.astype(np.float64), wind, wind_to, height, zenith, towards, factor, towards + relative, depression]
     weight = np.ones(wind.size) if where.weight is None else where.weight
     # Looks under a Sun that is down or hidden for sure, and on land, are passed over: their radiance is 0.
-    at = np.flatnonzero((zenith < _SHINES) & (free > 0.0) & (weight > 0.0))
+    at = np.flatnonzero((zenith < _SHINES) & (free > 0.0))
     chosen = np.empty((at.size, len(columns)))
     for i, column in enumerate(columns):
         chosen[:, i] = column[at]
@@ -468,7 +468,7 @@ def _varying(model: LikelihoodModel) -> list[str]:
     """Return the uniform numbers on which the draws of a scenario depend: points of fewer dimensions are more even."""
     settings, (lowest, highest) = model.settings, model.heights
     alone = settings.case == "single-look"
-    if model.world is None:
+    if model.climatology is None:
         times, places = isinstance(model.when, Times), isinstance(model.where, GeographicRegion) and model.sun is None
     else:  # the weather depends on time and place even under a given Sun
         times, places = not isinstance(model.when, float), not isinstance(model.where, tuple)

@@ -24,7 +24,8 @@ from seaglint.climate.world_weather import NAME
 from seaglint.formats.weather.forecast_weather import ForecastWeather, read_forecast
 from seaglint.formats.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
-from seaglint.studies.likelihood.draw_model import LikelihoodModel, likelihood_table
+from seaglint.studies.likelihood.climatology import likelihood_table
+from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
@@ -115,10 +116,11 @@ def _course(track: Path) -> _Course:
 
 def _near_the_sea(model: LikelihoodModel, course: _Course) -> list[str]:
     """Return a note on the rows of a track that have the weather of the nearest sea of the climatology; rows far from it are refused."""
-    if model.world is None:
+    if model.climatology is None:
         return []
-    away = np.flatnonzero(~model.world.at_sea(course.latitude, course.longitude)).tolist()
-    told = [model.world.sea_at(float(course.latitude[i]), float(course.longitude[i]), f"row {i + 1} of the track")[2] for i in away]
+    world = model.climatology.world
+    away = np.flatnonzero(~world.at_sea(course.latitude, course.longitude)).tolist()
+    told = [world.sea_at(float(course.latitude[i]), float(course.longitude[i]), f"row {i + 1} of the track")[2] for i in away]
     if not told:
         return []
     rows = f" ({len(told)} of {course.time.size} rows like it)" if len(told) > 1 else ""
