@@ -176,7 +176,7 @@ def _bands(record: _Record, what: str) -> Bands:
         case "PNORWD":
             come_from, width = (_on(frequency, *record.parts[part], what) for part in _PARTS["PNORWD"])
             _require_peak(record, frequency, np.exp(1j * np.radians(come_from)), what)
-            come_from, width = filled_directions(frequency, np.where(np.isfinite(energy), energy, 0.0), come_from, width, Path(what))
+            come_from, width = filled_directions(frequency, np.where(np.isfinite(energy), energy, 0.0), come_from, width, what)
             return Cosine(frequency, energy, come_from, width)
         case _:
             return Plain(frequency, energy)

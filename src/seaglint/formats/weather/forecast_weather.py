@@ -86,7 +86,7 @@ def read_forecast(path: Path, time: FloatArray, latitude: FloatArray, longitude:
     grid = open_grid(path, join="inner")
     lacking = [name for name in _NEEDED if name not in grid.data]
     if lacking:
-        there = ", ".join(name for name in grid.names.values())
+        there = ", ".join(grid.names[str(name)] for name in grid.data.data_vars)
         raise DataError(f"{path}: has {there} and no {', '.join(lacking)}; a forecast has wind components at 10 m and total cloud cover")
     steps = _times_inside(grid, time)
     lines = {
