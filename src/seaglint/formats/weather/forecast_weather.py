@@ -141,7 +141,7 @@ def _between(lines: FloatArray, positions: FloatArray) -> _Brackets:
     lower = np.clip(np.searchsorted(ordered, positions, side="right") - 1, 0, max(ordered.size - 2, 0))
     upper = np.minimum(lower + 1, ordered.size - 1)
     gap = np.maximum(ordered[upper] - ordered[lower], 1e-300)
-    return _Brackets(index[lower], index[upper], np.clip((positions - ordered[lower]) / gap, 0.0, 1.0) * (upper > lower), inside)
+    return _Brackets(index[lower], index[upper], np.clip((positions - ordered[lower]) / gap, 0.0, 1.0), inside)
 
 
 def _around(lines: FloatArray, positions: FloatArray) -> _Brackets:

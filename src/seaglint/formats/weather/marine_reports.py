@@ -52,22 +52,18 @@ from seaglint.climate.weather_columns import (
     wind_from_components,
 )
 from seaglint.climate.weather_table import RANGES, TEXTS
+from seaglint.formats.tables.observed_lines import Line, lines_of, shown, sound, text_of
 from seaglint.formats.waves.ndbc_buoys import headings_of, moment_of
 from seaglint.formats.weather.weather_cells import (
-    Line,
     TextColumns,
     WeatherSource,
     header_of,
-    lines_of,
     moment_of_iso,
     month_and_hour,
     numbers_or_missing,
     order_of,
     separator_of,
-    shown,
-    sound,
     split_cells,
-    text_of,
     twice_noted,
 )
 from seaglint.sea.wind_profile import u10_of_wind
