@@ -329,6 +329,8 @@ def test_nceis_earlier_orders_are_in_fahrenheit(tmp_path: Path) -> None:
     np.testing.assert_allclose(source.columns["significant_height_m"], [np.nan, np.hypot(3.5, 4.0), 0.5])
     np.testing.assert_array_equal(source.columns["visibility_km"], [10.0, 10.0, 20.0])
     np.testing.assert_array_equal(source.columns["hour_utc"], [0.0, 18.0, 0.0])
+    np.testing.assert_array_equal(source.columns["latitude_deg"], [-35.8, -35.9, -0.2])
+    np.testing.assert_allclose(source.columns["longitude_deg"], [2.9, 8.6, 88.1])
     air, dew = (np.array(degrees) / 1.8 - 32.0 / 1.8 for degrees in ((70.5, 61.2, 79.3), (65.5, 48.9, 67.8)))
     pressure, own = (np.exp(17.625 * celsius / (243.04 + celsius)) for celsius in (air, dew))
     np.testing.assert_allclose(source.columns["relative_humidity"], own / pressure, rtol=1e-9)

@@ -11,13 +11,15 @@ import pytest
 import weather_files as made
 import xarray as xr
 
-from seaglint.base.errors import BackendError, DataError
+from seaglint.base.errors import BackendError, DataError, ScenarioError
 from seaglint.climate.weather_selection import GeographicBox, Selection
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.formats.weather import era5_weather as era5
 from seaglint.formats.weather import marine_reports
 from seaglint.formats.weather import marine_reports as ndbc
-from seaglint.formats.weather.weather_file import WeatherReading, read_source, read_weather, write_weather
+from seaglint.formats.weather.weather_file import SHIPPED, WeatherReading, read_source, read_weather, write_weather
+from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.records.quantities import PACKAGED
 from seaglint.scenario.text.option_texts import parse_map
 
 
@@ -92,6 +94,11 @@ def test_packed_shares_stay_shares(tmp_path: Path) -> None:
     source = era5.read_era5(made.write_era5_old(tmp_path / "e.nc", fields), Selection())
     cloud = source.columns["cloud_cover"]
     assert (cloud.min(), cloud.max()) == pytest.approx((0.0, 1.0), abs=1e-9)
+    assert not source.set_missing
+    # Interpolation of packed numbers leads beyond 0 and 1.
+    fields["tcc"][0, 0, :2] = -0.0005, 1.0005
+    source = era5.read_era5(made.write_era5_new(tmp_path / "n.nc", fields), Selection())
+    assert (source.columns["cloud_cover"].min(), source.columns["cloud_cover"].max()) == (0.0, 1.0)
     assert not source.set_missing
 
 
@@ -334,6 +341,15 @@ def test_tables_come_back_as_they_were_written(tmp_path: Path, suffix: str) -> N
     assert found.remarks == ("weights sum to 36 and are divided by it",)
     with pytest.raises(DataError, match="exists already"):
         write_weather(table, path)
+
+
+def test_the_weather_of_the_package_has_the_names_that_scenarios_take() -> None:
+    assert PACKAGED == SHIPPED
+    told = (
+        r"'nothing.csv' is not the name of a weather in the package \(world, north-atlantic\) or a file that exists; a relative path counts"
+    )
+    with pytest.raises(ScenarioError, match=told):
+        parse_scenario({"likelihood": {"weather": "nothing.csv"}})
 
 
 def test_parquet_without_pyarrow_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
