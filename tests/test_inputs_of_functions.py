@@ -121,7 +121,8 @@ def test_a_path_a_scenario_and_tables_are_the_same(name: str, tmp_path: Path) ->
         "[sensor]\npixels = [8, 4]\nfov_deg = [4, 2]\nelevation_deg = -4\nheight_m = 20\nframes = 1\n[sea]\nresolve_waves = false\n"
         "[band]\nmin_um = 8\nmax_um = 12\n"
     )
-    numpy = {**SCENE, "sensor": SCENE["sensor"] | {"pixels": np.array([8, 4]), "frames": np.int64(1), "height_m": np.float32(20)}}
+    numbers = {"pixels": np.array([8, 4]), "fov_deg": [np.int64(4), np.float32(2)], "frames": np.int64(1), "height_m": np.float32(20)}
+    numpy = {**SCENE, "sensor": SCENE["sensor"] | numbers}
     forms = [path, str(path), scene, SCENE, MappingProxyType(SCENE), scene.model_dump(), numpy]
     expected = QUICK[name](scene)
     for form in forms[:2] + forms[3:]:

@@ -62,6 +62,12 @@ def test_values_between_the_points_are_those_of_brute_force(tmp_path: Path, long
     np.testing.assert_allclose(weather.cloud_cover[:, 0], expected[:, 2], atol=1e-12)
 
 
+def test_a_place_on_the_western_line_but_for_rounding(tmp_path: Path) -> None:
+    of = made.fields()
+    weather = read_forecast(made.ecmwf(tmp_path / "f.nc", of), *track([0, 0], [51, 51], [358 - 1e-7, -2.0]))
+    np.testing.assert_array_equal(weather.wind_speed_m_s[0], weather.wind_speed_m_s[1])
+
+
 def test_a_turning_wind_keeps_its_speed(tmp_path: Path) -> None:
     of = made.fields(steps=2)
     of.u[0], of.v[0], of.u[1], of.v[1] = 10.0, 0.0, 0.0, 10.0
@@ -107,12 +113,13 @@ def test_members_stay_apart(tmp_path: Path) -> None:
     assert come[0] == pytest.approx(math.degrees(math.atan2(-of.u[1, :, 1, 1].mean(), -of.v[1, :, 1, 1].mean())) % 360.0)
 
 
-def test_units_are_those_of_the_tag(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("unit", "size"), [("kn", 3600.0 / 1852.0), ("km/h", 3.6), ("m/sec", 1.0)])
+def test_units_are_those_of_the_tag(tmp_path: Path, unit: str, size: float) -> None:
     of = made.fields()
-    eighths = of._replace(u=of.u * 3600.0 / 1852.0, v=of.v * 3600.0 / 1852.0, cover=8.0 * of.cover)
+    eighths = of._replace(u=of.u * size, v=of.v * size, cover=8.0 * of.cover)
     way = track([6], [51], [359])
     ours = read_forecast(made.ecmwf(tmp_path / "e.nc", of), *way)
-    other = read_forecast(made.ecmwf(tmp_path / "f.nc", eighths, u10="kn", v10="kn", tcc="okta"), *way)
+    other = read_forecast(made.ecmwf(tmp_path / "f.nc", eighths, u10=unit, v10=unit, tcc="okta"), *way)
     np.testing.assert_allclose(other.wind_speed_m_s, ours.wind_speed_m_s, rtol=1e-12)
     np.testing.assert_array_equal(other.cloud_cover, ours.cloud_cover)
 
@@ -182,6 +189,12 @@ def test_a_file_that_cannot_be_used_is_refused_in_a_line(tmp_path: Path, changes
         read_forecast(path, *track([0], [52], [0]))
     assert str(told.value).startswith(f"{path}: ")
     assert "\n" not in str(told.value)
+
+
+def test_an_ensemble_without_cloud_names_its_fields_alone(tmp_path: Path) -> None:
+    path = made.ecmwf(tmp_path / "f.nc", made.fields(members=3), ("u10", "v10", "cover"))
+    with pytest.raises(DataError, match="has u10, v10 and no tcc; a forecast has"):
+        read_forecast(path, *track([0], [52], [0]))
 
 
 def test_winds_at_other_heights_are_refused(tmp_path: Path) -> None:

@@ -25,6 +25,9 @@ from seaglint.studies.likelihood.weather_files import build
 #: their attachments.
 RECORDS = Path(__file__).parent / "imma1_records.txt"
 
+#: Code table 4377 of WMO's Manual on Codes: lower border of each step [km]; 90 is below 0.05 km.
+VISIBILITY = {90: 0.025, 91: 0.05, 92: 0.2, 93: 0.5, 94: 1.0, 95: 2.0, 96: 4.0, 97: 10.0, 98: 20.0, 99: 50.0}
+
 #: First and last column of the fields that are used, counted from 1, as the published table C0 has them.
 COLUMNS = {
     "MO": (5, 6), "DY": (7, 8), "HR": (9, 12), "LAT": (13, 17), "LON": (18, 23), "D": (47, 49), "W": (51, 53), "VV": (55, 56),
@@ -83,6 +86,7 @@ def _same(source: WeatherSource, records: list[bytes]) -> None:
     for name, field, low, high in (("sea_temperature_k", "SST", 265.0, 315.0), ("air_temperature_k", "AT", 200.0, 335.0)):
         kelvin = f[field] / 10 + 273.15
         np.testing.assert_allclose(column[name], np.where((kelvin < low) | (kelvin > high), np.nan, kelvin), rtol=1e-12)
+    np.testing.assert_array_equal(column["visibility_km"], [VISIBILITY.get(code, np.nan) for code in f["VV"].tolist()])
     np.testing.assert_array_equal(column["month"], f["MO"])
     hour = f["HR"] / 100
     np.testing.assert_allclose(column["hour_utc"], np.where((hour < 0) | (hour > 24), np.nan, hour), rtol=1e-12)
@@ -221,6 +225,16 @@ def test_bad_lines_are_told_by_kind_and_more_than_half_are_an_error(tmp_path: Pa
         _read(path)
 
 
+def test_codes_of_calm_and_variable_winds(tmp_path: Path) -> None:
+    """361 is a calm, also without a speed; 362 is a variable wind; neither is a direction, nor dirt."""
+    path = tmp_path / "imma1"
+    path.write_text("\n".join([made.imma(d="361", w="   "), made.imma(d="362", w=" 31"), made.imma(d="360"), made.imma(d="370")]) + "\n")
+    source = _read(path)
+    np.testing.assert_array_equal(source.columns["wind_speed_m_s"], [0.0, 3.1, 10.3, 10.3])
+    np.testing.assert_array_equal(source.columns["wind_from_deg"], [np.nan, np.nan, 0.0, np.nan])
+    assert source.set_missing == {"wind_from_deg of a calm or variable wind": 2, "wind_from_deg outside 0 to 362": 1}
+
+
 def test_dirt_in_a_buoys_file_is_counted(tmp_path: Path) -> None:
     head, units, good, missing, calm = made.NDBC_2019.splitlines()
     path = tmp_path / "44011.txt"
@@ -315,7 +329,15 @@ def test_nceis_earlier_orders_are_in_fahrenheit(tmp_path: Path) -> None:
     np.testing.assert_allclose(source.columns["significant_height_m"], [np.nan, np.hypot(3.5, 4.0), 0.5])
     np.testing.assert_array_equal(source.columns["visibility_km"], [10.0, 10.0, 20.0])
     np.testing.assert_array_equal(source.columns["hour_utc"], [0.0, 18.0, 0.0])
+    np.testing.assert_array_equal(source.columns["latitude_deg"], [-35.8, -35.9, -0.2])
+    np.testing.assert_allclose(source.columns["longitude_deg"], [2.9, 8.6, 88.1])
+    air, dew = (np.array(degrees) / 1.8 - 32.0 / 1.8 for degrees in ((70.5, 61.2, 79.3), (65.5, 48.9, 67.8)))
+    pressure, own = (np.exp(17.625 * celsius / (243.04 + celsius)) for celsius in (air, dew))
+    np.testing.assert_allclose(source.columns["relative_humidity"], own / pressure, rtol=1e-9)
     assert np.isnan(source.columns["sea_temperature_k"]).all()
+    # The sea's temperature is taken to have the unit of the others; this number is made for the test.
+    path.write_text(path.read_text().replace("67.8, ,", "67.8,68.0,"))
+    np.testing.assert_allclose(_read(path).columns["sea_temperature_k"], [np.nan, np.nan, 293.15])
 
 
 ABBREVIATED = "YR,MO,DY,HR,LAT,LON,D,W,AT,DPT,SST,N\n"
@@ -327,7 +349,8 @@ def test_dirt_in_icoads_csv_is_counted(tmp_path: Path) -> None:
     rows = [
         good, good, good.replace("270", "-50"), good.replace("10.3", "ten"), good.replace(",7,14", ",13,14"), good.replace("7,14", "2,30"),
         good.replace("45.12", "95"), good.replace("45.12", "north"), good.replace("6.5", "25"), good.replace(",6\n", ",12\n"),
-        '"' + good, good.replace("16.4", "1e999"), good.replace("10.1", "-243.04"), good.replace("45.12", "\x0b45.12"), good,
+        '"' + good, good.replace("16.4", "1e999"), good.replace("10.1", "-243.04"), good.replace("45.12", "\x0b45.12"),
+        good.replace("6.5", "24"),
     ]  # fmt: skip
     path.write_bytes((ABBREVIATED + "".join(rows)).encode("latin-1"))
     source = _read(path)
@@ -346,7 +369,8 @@ def test_dirt_in_icoads_csv_is_counted(tmp_path: Path) -> None:
         "cloud_cover outside 0 to 1": 1,
     }
     assert source.rows == 9
-    assert "2 records are exact copies of earlier ones; all are kept" in source.notes
+    assert source.columns["hour_utc"].tolist() == [6.5] * 8 + [24.0]
+    assert "1 records are exact copies of earlier ones; all are kept" in source.notes
     path.write_text(ABBREVIATED + good.replace("45.12", "4512"))
     with pytest.raises(DataError, match=r"1 of 1 lines are no ICOADS records: 1 with a place outside the globe; .*divide by IMMA's scale"):
         _read(path)

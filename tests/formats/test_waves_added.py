@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import math
 import random
 import shutil
@@ -51,6 +52,24 @@ def test_energies_of_telegrams_are_those_of_the_file(tmp_path: Path) -> None:
     sea = read_waves(path, THEN).spectrum
     assert sea.energy == pytest.approx([float(cell) for cell in cells[7:]], abs=1e-12)
     assert sea.frequency_hz == pytest.approx([0.02 + 0.01 * n for n in range(98)], abs=1e-12)
+
+
+@pytest.mark.parametrize("sentence", ["PNORF", "PNORWD"])
+def test_moments_of_telegrams_are_those_of_their_cosine(sentence: str, tmp_path: Path) -> None:
+    """Of every band: those without coefficients, at -9 and above the last one, have those of their neighbours."""
+    sea = read_waves(wave_files.awac(tmp_path, sentence), THEN).spectrum
+    power = 2.0 / np.radians(30.0) ** 2 - 1.0  # cos^2s of half the angle: r1 = s / (s + 1) = 1 - width^2 / 2
+    towards = np.exp(1j * np.radians(FROM + 180.0))
+    r1, r2 = power / (power + 1.0), power * (power - 1.0) / ((power + 1.0) * (power + 2.0))
+    np.testing.assert_allclose(sea.first, np.full(98, r1 * towards), atol=2e-4)
+    np.testing.assert_allclose(sea.second, np.full(98, r2 * towards**2), atol=2e-4)
+
+
+def test_packed_telegrams(tmp_path: Path) -> None:
+    path = wave_files.awac(tmp_path)
+    packed = tmp_path / "waves.nmea.gz"
+    packed.write_bytes(gzip.compress(path.read_bytes()))
+    assert read_waves(packed, THEN).report == {**read_waves(path, THEN).report, "file": packed.name}
 
 
 @pytest.mark.parametrize("unit", [1.0, 1e-4], ids=["m2", "cm2"])
@@ -158,15 +177,30 @@ def test_telegrams_without_directions_need_them_stated(tmp_path: Path) -> None:
         read_waves(path, THEN)
 
 
-def turned(folder: Path) -> Path:
-    """Coefficients of the direction TO: against DirTp."""
+def test_two_sentences_that_differ_leave_their_record_out(tmp_path: Path) -> None:
+    def change(lines: list[str]) -> list[str]:
+        once, again = (next(line for line in lines if line.startswith(f"$PNORE,030124,{hour}")) for hour in ("0000", "0300"))
+        return [*lines, once, wave_files.nmea(*again[1:].partition("*")[0].split(",")[:-1], "0.5")]
+
+    found = read_waves(awac_lines(tmp_path, change), WaveChoice())
+    assert found.report["time"] == "2024-03-01T00:00:00Z"
+    assert found.report["note"] == "left out: records with two sentences that differ: 1"
+
+
+def test_the_direction_of_the_peak_is_that_of_its_own_band(tmp_path: Path) -> None:
+    assert read_waves(turned(tmp_path, but=9), THEN).spectrum.first[9].imag == pytest.approx(0.66, abs=0.01)  # 0.11 Hz, of 9 s
+
+
+def turned(folder: Path, but: int | None = None) -> Path:
+    """Coefficients of the direction TO: against DirTp; all bands but one, where it is given."""
 
     def change(lines: list[str]) -> list[str]:
         out = []
         for line in lines:
             cells = line[1:].partition("*")[0].split(",")
             if cells[1] in ("A1", "B1"):
-                cells[8:] = [cell if cell == "-9.0000" else f"{-float(cell):.4f}" for cell in cells[8:]]
+                turned = [n for n, cell in enumerate(cells) if n >= 8 and n - 8 != but and cell != "-9.0000"]
+                cells = [f"{-float(cell):.4f}" if n in turned else cell for n, cell in enumerate(cells)]
             out.append(wave_files.nmea(*cells))
         return out
 
@@ -192,7 +226,10 @@ SPOILED: dict[str, tuple[Callable[[Path], Path], str]] = {
         lambda d: (wave_files.stored(wave_files.own, d) / "zarr.json").write_text("{") and d / "waves.zarr",
         "cannot be read as a Zarr store",
     ),
-    "dirt alone": (lambda d: awac_lines(d, lambda lines: [line[:50] for line in lines]), r"more than half of its 15 lines are bad \("),
+    "dirt alone": (
+        lambda d: awac_lines(d, lambda lines: [line[:50] for line in lines]),
+        r"14 of 15 lines are no telegrams: 14 lines that are no whole",
+    ),
     "one line of telegrams": (lambda d: awac_lines(d, lambda lines: lines[:1]), "has no whole record of waves"),
     "coefficients turned round": (turned, "waves of the peak come from 50 deg by its spectrum and from 230 deg by"),
     "a height of another unit": (lambda d: resized(d, 3.0), r"give a height of 2\.00 m in m2/Hz and 0\.02 m in cm2/Hz, and \$PNORW has"),

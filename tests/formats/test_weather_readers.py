@@ -11,13 +11,15 @@ import pytest
 import weather_files as made
 import xarray as xr
 
-from seaglint.base.errors import BackendError, DataError
+from seaglint.base.errors import BackendError, DataError, ScenarioError
 from seaglint.climate.weather_selection import GeographicBox, Selection
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.formats.weather import era5_weather as era5
 from seaglint.formats.weather import marine_reports
 from seaglint.formats.weather import marine_reports as ndbc
-from seaglint.formats.weather.weather_file import WeatherReading, read_source, read_weather, write_weather
+from seaglint.formats.weather.weather_file import SHIPPED, WeatherReading, read_source, read_weather, write_weather
+from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.records.quantities import PACKAGED
 from seaglint.scenario.text.option_texts import parse_map
 
 
@@ -60,6 +62,25 @@ def test_era5_rows_are_those_of_an_independent_reader(tmp_path: Path, layout: st
     np.testing.assert_allclose(column["weight"], np.cos(np.radians(expected["latitude"])))
 
 
+def test_temperatures_in_degrees_celsius_and_humidity(tmp_path: Path) -> None:
+    """Humidity of the dew point by Magnus' formula, or the one of the file itself, which needs no dew point."""
+    data = xr.open_dataset(made.write_era5_new(tmp_path / "e.nc", made.era5_fields())).load()
+    sea, air, dew = (data[name].values[~np.isnan(data["sst"].values)].astype(float) for name in ("sst", "t2m", "d2m"))
+    for name in ("sst", "t2m", "d2m"):
+        data[name] = (data[name] - 273.15).assign_attrs(units="degC")
+    data.to_netcdf(tmp_path / "c.nc", engine="h5netcdf")
+    source = era5.read_era5(tmp_path / "c.nc", Selection())
+    np.testing.assert_allclose(source.columns["sea_temperature_k"], sea, rtol=1e-6)
+    np.testing.assert_allclose(source.columns["air_temperature_k"], air, rtol=1e-6)
+    pressure, own = (np.exp(17.625 * (k - 273.15) / (k - 30.11)) for k in (air, dew))
+    np.testing.assert_allclose(source.columns["relative_humidity"], own / pressure, rtol=1e-5)
+    share = data["d2m"].assign_attrs(units="%").copy(data=np.full(data["d2m"].shape, 70.0))
+    data.drop_vars("d2m").assign(r2=share).to_netcdf(tmp_path / "r.nc", engine="h5netcdf")
+    source = era5.read_era5(tmp_path / "r.nc", Selection())
+    np.testing.assert_allclose(source.columns["relative_humidity"], 0.7)
+    assert not [note for note in source.notes if note.startswith("not in the file")]
+
+
 def test_a_westerly_of_era5_comes_from_the_west(tmp_path: Path) -> None:
     fields = made.era5_fields()
     fields["u10"][:], fields["v10"][:] = 7.0, 0.0
@@ -73,6 +94,11 @@ def test_packed_shares_stay_shares(tmp_path: Path) -> None:
     source = era5.read_era5(made.write_era5_old(tmp_path / "e.nc", fields), Selection())
     cloud = source.columns["cloud_cover"]
     assert (cloud.min(), cloud.max()) == pytest.approx((0.0, 1.0), abs=1e-9)
+    assert not source.set_missing
+    # Interpolation of packed numbers leads beyond 0 and 1.
+    fields["tcc"][0, 0, :2] = -0.0005, 1.0005
+    source = era5.read_era5(made.write_era5_new(tmp_path / "n.nc", fields), Selection())
+    assert (source.columns["cloud_cover"].min(), source.columns["cloud_cover"].max()) == (0.0, 1.0)
     assert not source.set_missing
 
 
@@ -97,6 +123,13 @@ def test_waves_of_a_coarser_grid_are_joined_by_time_and_nearest_place(tmp_path: 
     assert source.columns["significant_height_m"][at] == pytest.approx(waves["swh"][1, 0, 0], rel=1e-6)
     assert np.isnan(source.columns["significant_height_m"][source.columns["month"] == 1]).all()
     assert any("swh from waves.nc, same time and nearest place, 2 of 3 times" in note for note in source.notes)
+    # A further file fills the gaps alone.
+    further = made.write_era5_new(tmp_path / "further.nc", {"swh": 2.0 * waves["swh"]})
+    both = era5.read_era5(path, Selection(), beside=[tmp_path / "waves.nc", further]).columns["significant_height_m"]
+    first = source.columns["significant_height_m"]
+    np.testing.assert_array_equal(both[~np.isnan(first)], first[~np.isnan(first)])
+    january = (source.columns["latitude_deg"] == 50.25) & (source.columns["longitude_deg"] == 0.25) & (source.columns["month"] == 1)
+    assert both[january] == pytest.approx(2.0 * waves["swh"][0, 0, 1], rel=1e-6)
 
 
 def test_an_unknown_unit_and_several_members_are_refused(tmp_path: Path) -> None:
@@ -308,6 +341,15 @@ def test_tables_come_back_as_they_were_written(tmp_path: Path, suffix: str) -> N
     assert found.remarks == ("weights sum to 36 and are divided by it",)
     with pytest.raises(DataError, match="exists already"):
         write_weather(table, path)
+
+
+def test_the_weather_of_the_package_has_the_names_that_scenarios_take() -> None:
+    assert PACKAGED == SHIPPED
+    told = (
+        r"'nothing.csv' is not the name of a weather in the package \(world, north-atlantic\) or a file that exists; a relative path counts"
+    )
+    with pytest.raises(ScenarioError, match=told):
+        parse_scenario({"likelihood": {"weather": "nothing.csv"}})
 
 
 def test_parquet_without_pyarrow_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

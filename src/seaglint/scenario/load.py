@@ -101,8 +101,7 @@ def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path
 
 def counts_elements(error: ErrorDetails) -> bool:
     """Return true where a list is called too short only because its wrong elements, which have lines themselves, do not count."""
-    least = error.get("ctx", {}).get("min_length")
-    return error["type"] == "too_short" and isinstance(error["input"], list | tuple) and len(error["input"]) >= (least or 0)
+    return error["type"] == "too_short" and isinstance(error["input"], list | tuple) and len(error["input"]) >= error["ctx"]["min_length"]
 
 
 def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:

@@ -22,7 +22,6 @@ Nortek, "Signature integrator's guide", telemetry data formats, DF 501; "AWAC NM
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -35,6 +34,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.formats.tables.observed_lines import lines_of, sound, text_of
 from seaglint.formats.tables.table_text import plain_number
 from seaglint.formats.waves.buoys import filled_directions
 from seaglint.formats.waves.wave_records import Bands, ComplexArray, Cosine, DirectionalMoments, Plain, WaveRecords
@@ -75,10 +75,9 @@ def read_awac(path: Path) -> WaveRecords:
     DataError
         No record, or more bad lines than good ones.
     """
-    bad: Counter[str] = Counter()
-    records, good = _records(path, bad)
-    if sum(bad.values()) > good:
-        raise DataError(f"{path}: more than half of its {good + sum(bad.values())} lines are bad ({_listed(bad)}); {_AGAIN}")
+    records: dict[datetime, _Record] = {}
+    lines = lines_of(text_of(path))
+    _, bad = sound(path, lines, [_taken(line.strip(), records) for _, line in lines], "telegrams", _AGAIN)
     whole = {moment: record for moment, record in records.items() if {"PNORW", "PNORE"} <= record.parts.keys()}
     if any(record.directions() for record in records.values()):
         whole = {moment: record for moment, record in whole.items() if record.directions()}
@@ -102,32 +101,16 @@ def _listed(bad: Mapping[str, int]) -> str:
     return ", ".join(f"{kind}: {count}" for kind, count in bad.items())
 
 
-def _records(path: Path, bad: Counter[str]) -> tuple[dict[datetime, _Record], int]:
-    """Return the records by time and the number of good lines; bad lines are counted by kind."""
-    records: dict[datetime, _Record] = {}
-    good = 0
-    # Bytes that are no text are dirt of a serial line, in single sentences.
-    for line in path.read_bytes().removeprefix(b"\xef\xbb\xbf").decode("latin-1").split("\n"):
-        if not line.strip():
-            continue
-        sentence = _SENTENCE.fullmatch(line.strip())
-        if sentence is None:
-            bad["lines that are no whole sentence"] += 1
-            continue
-        name, cells = sentence[1], [cell.strip() for cell in sentence[2].split(",")]
-        if reduce(xor, line.strip()[1:-3].encode("latin-1"), 0) != int(sentence[3], 16):
-            bad["lines with a wrong checksum"] += 1
-            continue
-        reason = _take(name, cells, records) if name in ("PNORW", "PNORE", *_PARTS) else None
-        if reason is None:
-            good += 1
-        else:
-            bad[reason] += 1
-    return records, good
-
-
-def _take(name: str, cells: list[str], records: dict[datetime, _Record]) -> str | None:
-    """Add a sentence to the record of its time; return the kind of bad line that it is, None for a good one."""
+def _taken(line: str, records: dict[datetime, _Record]) -> str:
+    """Add the sentence of a line to the record of its time; return what is wrong with the line, empty where nothing is."""
+    sentence = _SENTENCE.fullmatch(line)
+    if sentence is None:
+        return "lines that are no whole sentence"
+    if reduce(xor, line[1:-3].encode("latin-1"), 0) != int(sentence[3], 16):
+        return "lines with a wrong checksum"
+    name, cells = sentence[1], [cell.strip() for cell in sentence[2].split(",")]
+    if name not in ("PNORW", "PNORE", *_PARTS):
+        return ""
     part = cells.pop(0) if name in _PARTS else name
     if name in _PARTS and part not in _PARTS[name]:
         return f"lines of ${name} of an unknown kind"
@@ -151,7 +134,7 @@ def _take(name: str, cells: list[str], records: dict[datetime, _Record]) -> str 
     earlier = record.parts.get(part, (frequency, values))
     record.differs |= not all(np.array_equal(a, b, equal_nan=True) for a, b in zip(earlier, (frequency, values), strict=True))
     record.parts[part] = frequency, values
-    return None
+    return ""
 
 
 def _bands(record: _Record, what: str) -> Bands:
@@ -176,7 +159,7 @@ def _bands(record: _Record, what: str) -> Bands:
         case "PNORWD":
             come_from, width = (_on(frequency, *record.parts[part], what) for part in _PARTS["PNORWD"])
             _require_peak(record, frequency, np.exp(1j * np.radians(come_from)), what)
-            come_from, width = filled_directions(frequency, np.where(np.isfinite(energy), energy, 0.0), come_from, width, Path(what))
+            come_from, width = filled_directions(frequency, np.where(np.isfinite(energy), energy, 0.0), come_from, width, what)
             return Cosine(frequency, energy, come_from, width)
         case _:
             return Plain(frequency, energy)

@@ -238,20 +238,20 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
             direction_is_to = travels_to(data, "waveMeanDirection")
         return DirectionalMoments(frequency[good], energy[good], (first if direction_is_to else -first)[good], second[good])
     if mean is not None and widths is not None and np.any(np.isfinite(mean) & np.isfinite(widths)):
-        come_from, widths = filled_directions(frequency, variance, mean + 180.0 if direction_is_to else mean, widths, path)
+        come_from, widths = filled_directions(frequency, variance, mean + 180.0 if direction_is_to else mean, widths, str(path))
         return Cosine(frequency[good], energy[good], come_from[good], widths[good])
     return Plain(frequency[good], energy[good])
 
 
 def filled_directions(
-    frequency: FloatArray, variance: FloatArray, come_from: FloatArray, widths: FloatArray, path: Path
+    frequency: FloatArray, variance: FloatArray, come_from: FloatArray, widths: FloatArray, what: str
 ) -> tuple[FloatArray, FloatArray]:
     """Return directions and widths of every band, interpolated where they are missing, the widths within the cosine's limits."""
     known, order = np.isfinite(come_from) & np.isfinite(widths), np.argsort(frequency)
     lost = variance[~known].sum() / max(float(variance.sum()), 1e-300)
     if lost > LOST_SHARE:
         raise DataError(
-            f"{path}: lacks directions for {100 * lost:.0f} % of its energy ({100 * LOST_SHARE:.0f} % allowed); choose another time"
+            f"{what}: lacks directions for {100 * lost:.0f} % of its energy ({100 * LOST_SHARE:.0f} % allowed); choose another time"
         )
     # Directions are interpolated as unit vectors, so that 359 and 1 deg have 0 deg between them.
     source = order[known[order]]

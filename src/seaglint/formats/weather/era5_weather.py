@@ -93,8 +93,8 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
     else:
         notes += ("no sst in the file: points on land cannot be told from the sea and are kept",)
     # The humidity follows from the dew point where it is not in the file itself.
-    lacking = [name for name in QUANTITIES if name not in grids and {"d2m": "r2", "r2": "d2m"}.get(name) not in grids]
-    lacking = [name for name in lacking if name != "r2"]
+    needless = ("r2", "d2m") if "r2" in grids else ("r2",)
+    lacking = [name for name in QUANTITIES if name not in (*grids, *needless)]
     if lacking:
         notes += (f"not in the file: {', '.join(lacking)}",)
     era5 = all(grid.names[name] == name for name in own)

@@ -86,7 +86,7 @@ def read_forecast(path: Path, time: FloatArray, latitude: FloatArray, longitude:
     grid = open_grid(path, join="inner")
     lacking = [name for name in _NEEDED if name not in grid.data]
     if lacking:
-        there = ", ".join(name for name in grid.names.values())
+        there = ", ".join(grid.names[str(name)] for name in grid.data.data_vars)
         raise DataError(f"{path}: has {there} and no {', '.join(lacking)}; a forecast has wind components at 10 m and total cloud cover")
     steps = _times_inside(grid, time)
     lines = {
@@ -141,7 +141,7 @@ def _between(lines: FloatArray, positions: FloatArray) -> _Brackets:
     lower = np.clip(np.searchsorted(ordered, positions, side="right") - 1, 0, max(ordered.size - 2, 0))
     upper = np.minimum(lower + 1, ordered.size - 1)
     gap = np.maximum(ordered[upper] - ordered[lower], 1e-300)
-    return _Brackets(index[lower], index[upper], np.clip((positions - ordered[lower]) / gap, 0.0, 1.0) * (upper > lower), inside)
+    return _Brackets(index[lower], index[upper], np.clip((positions - ordered[lower]) / gap, 0.0, 1.0), inside)
 
 
 def _around(lines: FloatArray, positions: FloatArray) -> _Brackets:

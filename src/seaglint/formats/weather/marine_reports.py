@@ -32,7 +32,7 @@ from __future__ import annotations
 import math
 import re
 from calendar import monthrange
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -52,22 +52,18 @@ from seaglint.climate.weather_columns import (
     wind_from_components,
 )
 from seaglint.climate.weather_table import RANGES, TEXTS
+from seaglint.formats.tables.observed_lines import Line, lines_of, shown, sound, text_of
 from seaglint.formats.waves.ndbc_buoys import headings_of, moment_of
 from seaglint.formats.weather.weather_cells import (
-    Line,
     TextColumns,
     WeatherSource,
     header_of,
-    lines_of,
     moment_of_iso,
     month_and_hour,
     numbers_or_missing,
     order_of,
     separator_of,
-    shown,
-    sound,
     split_cells,
-    text_of,
     twice_noted,
 )
 from seaglint.sea.wind_profile import u10_of_wind
@@ -119,11 +115,14 @@ _NCEI_ORDER: Final = {
     "Swell Height": ("SH", 1.0),
 }  # fmt: skip
 
-#: Headings by which each kind of ICOADS CSV is recognised, and the name of the column of times.
+#: IMMA's abbreviations as headings, in plain units.
+_ABBREVIATED: Final = {name: (name, 1.0) for name in ("YR", "DY", *_SCALE)}
+
+#: Headings by which each kind of ICOADS CSV is recognised, the name of the column of times, and the fields of its headings.
 _KINDS: Final = (
-    ({"MO", "LAT", "LON", "W"}, ""),
-    ({"DATE", "LATITUDE", "LONGITUDE", "WIND_SPEED"}, "DATE"),
-    ({"Time of Observation", "Latitude", "Longitude", "Wind Speed"}, "Time of Observation"),
+    ({"MO", "LAT", "LON", "W"}, "", _ABBREVIATED),
+    ({"DATE", "LATITUDE", "LONGITUDE", "WIND_SPEED"}, "DATE", _NCEI),
+    ({"Time of Observation", "Latitude", "Longitude", "Wind Speed"}, "Time of Observation", _NCEI_ORDER),
 )
 
 _ABSENT: Final = frozenset({"MM"})  #: Missing value of NDBC's realtime files, beside nines.
@@ -304,7 +303,7 @@ def _field(records: Sequence[str], name: str) -> tuple[FloatArray, int]:
 
 def is_icoads_csv(header: Sequence[str]) -> bool:
     """Return true for the headings of ICOADS: IMMA's abbreviations, or one of NCEI's two sets."""
-    return any(needed <= set(header) for needed, _ in _KINDS)
+    return any(needed <= set(header) for needed, *_ in _KINDS)
 
 
 def read_icoads_csv(path: Path) -> WeatherSource:
@@ -321,12 +320,12 @@ def read_icoads_csv(path: Path) -> WeatherSource:
     """
     first, *lines = [line for line in lines_of(text_of(path)) if not line[1].lstrip().startswith("#")]
     header, separator = header_of([first]), separator_of(first[1])
-    time = next(column for needed, column in _KINDS if needed <= set(header))
+    time, fields = next((time, fields) for needed, time, fields in _KINDS if needed <= set(header))
     split = [split_cells(line, separator) for _, line in lines]
     whole = [cells is not None and len(cells) == len(header) for cells in split]
     rows = [cells if cells is not None and good else [""] * len(header) for cells, good in zip(split, whole, strict=True)]
     table = TextColumns(path, header, rows, [number for number, _ in lines])
-    report, bad = _icoads_columns(table, time)
+    report, bad = _icoads_columns(table, fields)
     faults = _icoads_faults(table, report, bad, time)
     faults = [fault if good else "with another number of cells" for fault, good in zip(faults, whole, strict=True)]
     remedy = (
@@ -348,9 +347,10 @@ def read_icoads_csv(path: Path) -> WeatherSource:
     return source.within_ranges()
 
 
-def _icoads_columns(table: TextColumns, time: str) -> tuple[dict[str, FloatArray], dict[str, NDArray[np.bool_]]]:
+def _icoads_columns(
+    table: TextColumns, fields: Mapping[str, tuple[str, float]]
+) -> tuple[dict[str, FloatArray], dict[str, NDArray[np.bool_]]]:
     """Return the fields of an ICOADS CSV file in plain units, and by field which cells are no numbers."""
-    fields = {"": {name: (name, 1.0) for name in ("YR", "DY", *_SCALE)}, "DATE": _NCEI}.get(time, _NCEI_ORDER)
     report, bad = {}, {}
     for heading, (name, scale) in fields.items():
         if heading in table.header:

@@ -20,10 +20,11 @@ from seaglint.climate.weather_columns import MappedColumn
 from seaglint.climate.weather_selection import Selection
 from seaglint.climate.weather_table import NEEDED, RANGES, TEXTS, WeatherTable
 from seaglint.climate.world_weather import FEW, NAME, world_weather
+from seaglint.formats.tables.observed_lines import lines_of, shown, text_of
 from seaglint.formats.tables.table_text import require_parquet
 from seaglint.formats.weather import era5_weather as era5
 from seaglint.formats.weather import marine_reports
-from seaglint.formats.weather.weather_cells import SEPARATORS, TextColumns, WeatherSource, header_of, lines_of, read_cells, shown, text_of
+from seaglint.formats.weather.weather_cells import SEPARATORS, TextColumns, WeatherSource, header_of, read_cells
 from seaglint.formats.weather.weather_grid import is_grib, is_netcdf
 from seaglint.store.outputs import moved_when_whole, refuse_existing, write_text
 

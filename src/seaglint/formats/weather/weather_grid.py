@@ -234,9 +234,7 @@ def _place_names(path: Path, data: Any) -> dict[str, str]:
         if name in data.coords:
             continue
         alike = [str(n) for n in data.coords if str(n).lower() in (name, short)]
-        alike = alike or [
-            str(n) for n in data.coords if name in (data[n].attrs.get("standard_name"),) or data[n].attrs.get("units") == unit
-        ]
+        alike = alike or [str(n) for n in data.coords if data[n].attrs.get("standard_name") == name or data[n].attrs.get("units") == unit]
         if not alike:
             coords = ", ".join(map(str, data.coords))
             raise DataError(f"{path}: has {coords or 'no coordinates'}; a file of weather has time, latitude and longitude")

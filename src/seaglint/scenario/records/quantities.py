@@ -366,13 +366,8 @@ def _weather_path(path: Path, info: ValidationInfo) -> Path:
 
 
 def _weather_exists(path: Path, info: ValidationInfo) -> Path:
-    if str(path) in PACKAGED:
-        return path
-    try:
-        return _must_exist(path, info)
-    except PydanticCustomError as error:
-        text = f"{error.message().partition(';')[0]}, nor one of the package: {', '.join(PACKAGED)}"
-        raise PydanticCustomError("missing_file", "{text}", {"text": text}) from None
+    what = f"the name of a weather in the package ({', '.join(PACKAGED)}) or a file"
+    return path if str(path) in PACKAGED else _present(path, info, path.is_file, what)
 
 
 WeatherPath = Annotated[Path, AfterValidator(_weather_path)]
