@@ -369,7 +369,7 @@ class LikelihoodRequest:
         bool,
         Parameter(
             "bearing, depression and hour with the least glint at the scenario's place and a date: OUT.csv, .json, .png or a folder",
-            detail="Each direction has its chance over the weather of the month; all share their draws of weather.",
+            detail="Each direction has its chance over the weather of the date; all share their draws of weather.",
         ),
     ] = False
     date: Annotated[

@@ -1,4 +1,4 @@
-"""Directions with the least glint: its chance by bearing, depression and hour at one place and date, over the weather of the month."""
+"""Directions with the least glint: its chance by bearing, depression and hour at one place and date, over the weather of the date."""
 
 from __future__ import annotations
 
@@ -38,7 +38,9 @@ def best_looks(
     weather: WeatherTable | None = None,
     progress: Progress | None = None,
 ) -> BestLooks:
-    """Return the chance of glint by bearing, depression and hour at the scenario's place, over the weather of the date's month.
+    """Return the chance of glint by bearing, depression and hour at the scenario's place, over the weather of the date.
+
+    The climatology has the date's weather, a table that of its month.
 
     Parameters
     ----------

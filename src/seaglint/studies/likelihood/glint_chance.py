@@ -48,7 +48,7 @@ _STALLED: Final = 3  #: Number of rounds without a brighter draw after which the
 _ROUNDS: Final = 24  #: Largest number of rounds.
 _BRIGHT: Final = 0.08  #: Share of the draws of a round that exceed the level of its glint [1].
 _BEFORE: Final = 0.5  #: Share of the probability that a round leaves to the density before [1].
-_UNIFORM: Final = 0.2  #: Share of the probability that remains uniform [1]: no draw weighs more than five even ones.
+_UNIFORM: Final = 0.2  #: Share of the probability of a factor that remains uniform [1]: a draw weighs at most five even ones, 25 with two.
 
 _SHINES: Final = 0.5 * math.pi + 0.3  #: Zenith angle of the Sun beyond which no place in view can be lit [rad].
 
