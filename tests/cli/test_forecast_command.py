@@ -50,7 +50,7 @@ def test_the_command_writes_both_and_python_has_the_same(tmp_path: Path, seaglin
         (("--track", "way.csv", "--forecast", "f.nc", "--cover-spread", "20"), "--cover-spread 20 is outside 0 to 1"),
         (("--track", "way.csv", "--forecast", "none.nc"), "none.nc: cannot be read"),
         (("--track", "way.csv", "--forecast", "way.csv"), "way.csv: cannot be read as a grid of weather"),
-        (("--track", "way.csv", "--forecast", "f.nc", "-o", "o.txt"), "give a folder, or a name that ends in .csv"),
+        (("--track", "way.csv", "--forecast", "f.nc", "-o", "o.txt"), "give a folder, or a name that ends in .json, .csv or .png"),
         (
             ("--track", "late.csv", "--forecast", "f.nc"),
             "the forecast ends 2026-06-20T18:00Z, before row 2 of the track, 2026-06-20T20:00Z",

@@ -2,9 +2,8 @@
 
 The means are ships' observations in cells of 4 x 5 deg (Esbensen and Kushnir 1981): wind speed, cloud cover, sea and air temperature,
 specific humidity and pressure. They are interpolated linearly between the middles of cells, and in time so that the mean over each month is
-the observed one. Cells without data, which are
-land or ice, do not count: next to them the sea's cells alone are interpolated. Months without data of a cell that has others are
-interpolated between these.
+the observed one. Cells without data, which are land or ice, do not count: next to them the sea's cells alone are interpolated. Months
+without data of a cell that has others are interpolated between these.
 
 A place is at sea where cells with data have half of the weight of the interpolation between middles. A single place up to ``NEAR_M`` from
 the nearest such cell has the weather of that cell: cells are larger than bights and straits.

@@ -88,7 +88,7 @@ class Climatology:
         law = sea_places(self.world, where or EVERYWHERE)
         if law is None:
             assert where is not None  # the globe has sea
-            middle = 0.5 * (where.south + where.north), 0.5 * (where.west + where.east)
+            middle = 0.5 * (where.south + where.north), where.west + 0.5 * where.width
             north, east, distance = self.world.nearest_sea(*middle)
             raise DataError(
                 f"likelihood.latitudes_deg = [{where.south:g}, {where.north:g}], longitudes_deg = [{where.west:g}, {where.east:g}]: no sea "

@@ -429,7 +429,7 @@ def evaluated(
     free = illuminated(cloud_law(model), cover, 0.5 * math.pi - zenith, overcast=settings.overcast_cover, aspect=settings.cloud_aspect)
     columns = [air.astype(np.float64), wind, wind_to, height, zenith, towards, factor, towards + relative, depression]
     weight = np.ones(wind.size) if where.weight is None else where.weight
-    # Looks under a Sun that is down or hidden for sure, and on land, are passed over: their radiance is 0.
+    # Looks under a Sun that is down or hidden for sure are passed over: their radiance is 0.
     at = np.flatnonzero((zenith < _SHINES) & (free > 0.0))
     chosen = np.empty((at.size, len(columns)))
     for i, column in enumerate(columns):
