@@ -1,0 +1,132 @@
+"""Foam of the sea for kernels: pyramids of shares on the tiles of the waves, read at the places of the waves.
+
+Each tile holds its shares on square cells and the means of 2 x 2, 4 x 4, ... of them (:mod:`seaglint.sea.foam.foam_field`). A place is read
+bilinearly on the two levels whose cells are next to the width that the reading stands for, and linearly between them, so that foam neither
+jumps nor loses its mean where the width grows. Foam of tiles whose waves a level of detail omits is still read, at the same places.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import kernel
+from seaglint.sea.foam.foam_field import FoamTiles
+from seaglint.sea.tiles import Tile, Wander
+
+
+class FoamSurface(NamedTuple):
+    """Foam of an instant as kernels read it.
+
+    ``share``: the pyramids of all tiles one after another; ``tile[t] = (address of the pyramid, cells along a side)``; ``grid[t] = (cells
+    per metre, cos, sin of the tile's turn, u, v under the sensor)`` and ``wander[t]`` as in ``Surface``, in cells; ``row[l, t]``: place of
+    the tile among the parts of level l, -1 where the level omits it; ``even``: share everywhere, of a sea without resolved waves.
+    """
+
+    share: np.ndarray
+    tile: np.ndarray
+    grid: np.ndarray
+    wander: np.ndarray
+    row: np.ndarray
+    even: float
+
+
+def even_foam(share: float) -> FoamSurface:
+    """Return a sea with the same share of foam everywhere."""
+    return FoamSurface(
+        np.zeros(0, np.float32), np.zeros((0, 2), np.int64), np.zeros((0, 5)), np.zeros((0, 0, 5)), np.zeros((0, 0), np.int64), share
+    )
+
+
+NO_FOAM_SURFACE: Final = even_foam(0.0)  #: A sea without foam.
+
+
+def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
+    """Return the rows ``Surface.wander`` for a sensor above ``origin`` [m]."""
+    out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
+    for rows, one, d, angle in zip(out, wander, spacing, turn, strict=False):
+        row = rows[: one.phase.size]  # waves that a part lacks have no amplitude
+        c, s = np.cos(angle), np.sin(angle)
+        row[:, :2] = one.amplitude @ np.array([[c, -s], [s, c]]) / d
+        row[:, 2:4] = one.wave_vector / (2.0 * np.pi)
+        row[:, 4] = np.mod(row[:, 2:4] @ np.array(origin) + one.phase / (2.0 * np.pi), 1.0)
+    return out
+
+
+def foam_surface(
+    foam: FoamTiles, tiles: tuple[Tile, ...], wander: tuple[Wander, ...], rows: NDArray[np.int64], origin: tuple[float, float]
+) -> FoamSurface:
+    """Return the foam of an instant around a sensor above ``origin``, east and north [m].
+
+    Parameters
+    ----------
+    foam : FoamTiles
+        Pyramids of the tiles.
+    tiles : tuple of Tile
+        The tiles of the sea.
+    wander : tuple of Wander
+        Displacement of each; none where all lie still.
+    rows : ndarray
+        ``FoamSurface.row``.
+    origin : (float, float)
+        Point under the sensor [m].
+    """
+    size = np.array(foam.size, np.int64)
+    cell = np.array([tile.length for tile in tiles]) / size
+    turn = np.array([tile.rotation for tile in tiles])
+    first = np.concatenate([[0], np.cumsum([pyramid.size for pyramid in foam.share])[:-1]])
+    c, s = np.cos(turn), np.sin(turn)
+    u, v = (np.mod(p / cell, size) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
+    grid: FloatArray = np.stack([1.0 / cell, c, s, u, v], axis=1)
+    moved = wander_rows(wander, cell, turn, origin) if wander else np.zeros((len(tiles), 0, 5))
+    places = np.stack([first, size], axis=1).astype(np.int64)
+    return FoamSurface(np.concatenate(foam.share), places, grid, moved, rows, 0.0)
+
+
+@kernel
+def pyramid_level(share: np.ndarray, first: int, size: int, u: float, v: float) -> float:
+    """Return the share at a place (u, v) [cells of the level], bilinear between the middles of its cells; the tile is periodic."""
+    x, y = u - 0.5, v - 0.5
+    lower_x, lower_y = math.floor(x), math.floor(y)
+    f, g = x - lower_x, y - lower_y
+    mask = size - 1
+    i, j = int(lower_x) & mask, int(lower_y) & mask
+    k, m = (i + 1) & mask, (j + 1) & mask
+    near, far = np.uint64(first + j * size), np.uint64(first + m * size)
+    left, right = np.uint64(i), np.uint64(k)
+    low = share[near + left] + f * (share[near + right] - share[near + left])
+    high = share[far + left] + f * (share[far + right] - share[far + left])
+    return float(low + g * (high - low))
+
+
+@kernel
+def tile_share(foam: FoamSurface, t: int, u: float, v: float, octaves: float) -> float:
+    """Return the share of a tile's foam at a place (u, v) [cells]; ``octaves``: binary logarithm of the width [cells] it stands for."""
+    first, size = foam.tile[t, 0], foam.tile[t, 1]
+    scale = 1.0
+    # the levels above the first one that hold the mean of more than a reading's width; the last one has a single cell
+    while octaves >= 1.0 and size > 2:
+        first, size, scale, octaves = first + size * size, size >> 1, 0.5 * scale, octaves - 1.0
+    fine = pyramid_level(foam.share, first, size, u * scale, v * scale)
+    if octaves <= 0.0:
+        return fine
+    above = pyramid_level(foam.share, first + size * size, size >> 1, 0.5 * u * scale, 0.5 * v * scale)
+    return fine + min(octaves, 1.0) * (above - fine)
+
+
+@kernel
+def wandered(foam: FoamSurface, t: int, away: tuple[float, float], r: float) -> tuple[float, float]:
+    """Return the place (u, v) [cells] on a tile, ``r`` metres from under the sensor along a horizontal unit vector (east, north)."""
+    scale, c, s = foam.grid[t, 0], foam.grid[t, 1], foam.grid[t, 2]
+    u = foam.grid[t, 3] + r * scale * (c * away[0] + s * away[1])
+    v = foam.grid[t, 4] + r * scale * (c * away[1] - s * away[0])
+    for w in range(foam.wander.shape[1]):
+        phase = foam.wander[t, w, 4] + r * (foam.wander[t, w, 2] * away[0] + foam.wander[t, w, 3] * away[1])
+        height = math.sin(2.0 * math.pi * (phase - math.floor(phase)))
+        u += foam.wander[t, w, 0] * height
+        v += foam.wander[t, w, 1] * height
+    return u, v
