@@ -24,6 +24,7 @@ from scipy.special import expn, gamma, gammaincc
 
 from seaglint.base.constants import GRAVITY
 from seaglint.base.errors import DomainError
+from seaglint.sea.wind_profile import FULLY_DEVELOPED
 
 Floats = npt.NDArray[np.float64]
 Form = Literal["melville-matusov-2002", "phillips-1985"]  #: Published shapes of the distribution.
@@ -31,7 +32,6 @@ FORMS: Final[tuple[str, ...]] = get_args(Form)
 
 SLOWEST: Final = 1.0  #: Speed of the slowest crest that entrains air [m s-1]; crests below some 1.25 m/s contribute little foam.
 CREST_SPEED: Final = 0.8  #: Speed of a breaking crest as a share of the phase speed of its wave (Rapp and Melville; Banner et al.).
-INVERSE_WAVE_AGE: Final = 0.84  #: Wind speed over phase speed at the peak of a fully developed sea (Elfouhaily et al. 1997).
 
 _DECLINE: Final = 0.64  #: Decline of Melville and Matusov's distribution with speed [s m-1].
 _AMPLITUDE: Final = 3.3e-4  #: Value of the same distribution at rest and at a wind of 10 m/s [s m-2]; it grows with the wind cubed.
@@ -54,7 +54,7 @@ class BreakingCrests:
     --------
     >>> crests = BreakingCrests.create(0.0098, 10.0)
     >>> round(crests.coverage_between(1.0, crests.fastest), 6), round(crests.factor, 2)
-    (0.0098, 1.0)
+    (0.0098, 2.62)
     """
 
     form: Form  #: Shape of the distribution.
@@ -103,7 +103,7 @@ class BreakingCrests:
         if not wind_speed > 0.0:
             raise DomainError(f"wind_speed = {wind_speed:g} m/s must be positive", name="wind_speed", value=wind_speed)
         if fastest is None:
-            fastest = max(CREST_SPEED * wind_speed / INVERSE_WAVE_AGE, 2.0 * slowest)
+            fastest = max(CREST_SPEED * wind_speed / FULLY_DEVELOPED, 2.0 * slowest)
         if not 0.0 < slowest < fastest < math.inf:
             raise DomainError(f"speeds from {slowest:g} to {fastest:g} m/s are not in order; give 0 < slowest < fastest", name="slowest")
         unscaled = cls(form, 1.0, slowest, fastest, None)
@@ -140,7 +140,7 @@ class BreakingCrests:
 
         The share is 1 for the active time and then declines exponentially, so that ``T`` is the sum of active and decay time.
         """
-        return self.active(c) + self.decay(c)
+        return np.asarray(self.active(c) + self.decay(c))
 
     def crest_length(self, c: npt.ArrayLike) -> Floats:
         """Return the mean length of a crest while it breaks [m]: 0.1 of the length of its wave; speeds [m s⁻¹]."""
@@ -187,14 +187,14 @@ class BreakingCrests:
         share = np.asarray(uniform, dtype=float)
         if self.form == "phillips-1985":
             # The rate declines with the ninth power, its integral with the eighth.
-            return ((1.0 - share) * low**-8.0 + share * high**-8.0) ** -0.125
+            return np.asarray(((1.0 - share) * low**-8.0 + share * high**-8.0) ** -0.125)
         nodes = np.geomspace(low, high, _NODES)
         tails = _exponential_tail(-3, nodes)
         target = (1.0 - share) * tails[0] + share * tails[-1]
         speed = np.exp(np.interp(-target, -tails, np.log(nodes)))
         for _ in range(2):  # Newton's steps; the table is right to 1e-5, each step doubles the digits
             speed += (_exponential_tail(-3, speed) - target) * speed**3 * np.exp(_DECLINE * speed)
-        return np.clip(speed, low, high)
+        return np.asarray(np.clip(speed, low, high))
 
     def _limited(self, c1: float, c2: float) -> tuple[float, float]:
         """Return two speeds within the range of speeds, in order."""
