@@ -14,11 +14,11 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import in_threads
 from seaglint.imaging.camera.imager import Quads, Resampling, SweepGrid, apply_weights, fill_weights, resample_at_once
+from seaglint.imaging.foam_surface import NO_FOAM_SURFACE, FoamSurface, wander_rows
 from seaglint.imaging.layers import BLOCK, CHANNELS, upright
 from seaglint.imaging.rays import RayTables, walk_pixels
 from seaglint.imaging.sparkle import SparkleRows, sparkle_columns
 from seaglint.imaging.sweep.sweep import Rows, Swept, skies_alone, sweep_columns
-from seaglint.imaging.foam_surface import NO_FOAM_SURFACE, FoamSurface, wander_rows
 from seaglint.imaging.wave_surface import LONGEST_STRIP, Bounds, Surface, course, height, lay_rows
 from seaglint.sea.tiles import Wander
 

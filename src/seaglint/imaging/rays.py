@@ -165,7 +165,7 @@ def ray(
     wide: float,
     out: np.ndarray,
 ) -> None:
-    """Compute the channels of one ray along a unit vector (east, north, up) into ``out`` (channels,); foam over a width of ``wide`` [rad]."""
+    """Compute the channels of one ray along a unit vector (east, north, up) into ``out`` (channels,); ``wide`` [rad]: width of its foam."""
     air, sun = tables.air, tables.sunlight
     rise = direction[2]
     run = math.sqrt(direction[0] * direction[0] + direction[1] * direction[1])

@@ -7,8 +7,8 @@ walk.
 
 The walk yields a piece at every sample that rises above the horizon. Far away and with short waves many of them share a row of the image,
 and neighbours differ by little compared with the slopes of their facets; such pieces are merged and shaded as one. A merged piece has the
-mean slope and share of foam of its parts, each weighted with the elevation that it fills, and the covariance of slopes about the mean. That covariance is added to
-the covariance of the facets, and the visible and lit share of facets is averaged over it
+mean slope and the mean share of foam of its parts, each weighted with the elevation that it fills, and the covariance of their slopes. That
+covariance is added to the covariance of the facets, and the visible and lit share of facets is averaged over it
 (``seaglint.facet.facet_sunlight.merged_share``): the mean of all parts, to second order in the slopes.
 """
 

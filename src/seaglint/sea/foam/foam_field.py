@@ -1,17 +1,18 @@
-"""Foam of breaking waves on the tiles of a synthesised sea: where and when waves break, and the share of foam at a time.
+r"""Foam of breaking waves on the tiles of a synthesised sea: where and when waves break, and the share of foam at a time.
 
 Breakers are drawn for every tile and every slot of time, a fixed stretch of a few seconds: how many and how fast by the distribution of
 breaking crests (:mod:`seaglint.sea.foam.breaking_crests`), where by the waves of the tile at the middle of the slot. They begin on its
 steepest crests, at places with the density
 
-.. math:: p(x) \\propto \\max(s(x) - a \\sigma_s, 0)^2, \\qquad s = \\sum_k |k| \\zeta_k
+.. math:: p(x) \propto \max(s(x) - a \sigma_s, 0)^2, \qquad s = \sum_k |k| \zeta_k
 
-with s the steepness of the waves ``zeta_k`` of the tile, and a = 1.5, less where foam covers more than a sixtieth of the sea. A breaker runs along the direction in which the steepness is curved most, its
-crest grows and shrinks as a half ellipse, and it leaves foam that grows, stays, decays and drifts with the water. Slots are functions of
-their number: the foam of an instant depends on scenario, seed and time alone.
+with s the steepness of the waves ``zeta_k`` of the tile, and a = 1.5, less where foam covers more than a sixtieth of the sea. A breaker
+runs along the direction in which the steepness is curved most, its crest grows and shrinks as a half ellipse, and it leaves foam that
+grows, stays, decays and drifts with the water. Slots are functions of their number: the foam of an instant depends on scenario, seed and
+time alone.
 
-Foam is a share between 0 and 1 on square cells of the tile, with the means of 2 x 2, 4 x 4, ... cells for pixels that are larger. It is read
-at the places of the tile's waves (``seaglint.sea.tiles``), so that it stays on their crests.
+Foam is a share between 0 and 1 on square cells of the tile, with the means of 2 x 2, 4 x 4, ... cells for larger pixels. It is read at the
+places of the tile's waves (``seaglint.sea.tiles``), so that it stays on their crests.
 """
 
 from __future__ import annotations
@@ -320,7 +321,7 @@ def foam_left(since: float, fed: float, decay: float) -> float:
 
 @njit
 def draw_breakers(breakers: Breakers, time: float, cell: float, drift: tuple[float, float], out: np.ndarray) -> None:
-    """Add the foam of breakers at a time [s] to the cells (n, n) of a periodic tile; shares of patches that overlap add up, to 1 at most."""
+    """Add the foam of breakers at a time [s] to the cells (n, n) of a periodic tile; where patches overlap, shares add up to 1 at most."""
     n = out.shape[0]
     for e in range(breakers.begin.shape[0]):
         age = time - breakers.begin[e]

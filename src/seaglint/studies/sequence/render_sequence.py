@@ -288,25 +288,31 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool, finer: in
         bent = bending(scenario, first)
         sea = scenario_physics.sea(scenario, first.slopes)
         track = scenario_physics.track(scenario)
+        breaking = scenario_physics.breaking_waves(scenario, sea.waves)
 
         shift = None if bent is None else RowShift.of(bent, camera)
         grid = camera if shift is None else shift.standard
 
         def prepared(sun: SunPosition) -> Scene:
             view = scenario_physics.under(first, sun)
-            scene = SweptScene.prepare(view, grid, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times)
+            scene = SweptScene.prepare(
+                view, grid, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times, breaking=breaking
+            )
             return scene if shift is None else RefractedScene(scene, shift)
     else:
         require_standard_refraction(scenario)
         sea = scenario_physics.sea(scenario, slopes(scenario))
         imager, at = scenario_physics.imager(scenario), scenario_physics.view_at(scenario)
         track = scenario_physics.track(scenario, sea.waves)
+        breaking = scenario_physics.breaking_waves(scenario, sea.waves)
 
         def prepared(sun: SunPosition) -> Scene:
             def view(height: float) -> SeaView:
                 return scenario_physics.under(at(height), sun)
 
-            return TurnedScene.prepare(view, imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times)
+            return TurnedScene.prepare(
+                view, imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times, breaking=breaking
+            )
 
     scene = prepared(sun_position(scenario))
     view = scene.view
