@@ -42,6 +42,8 @@ from seaglint.scenario.records.object_tables import Object
 from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
 from seaglint.scenario.records.small_tables import Platform
 from seaglint.scenario.sun import SunPosition, sun_position
+from seaglint.sea.foam.breaking_crests import BreakingCrests
+from seaglint.sea.foam.coverage_laws import coverage
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
@@ -161,6 +163,18 @@ def water(scenario: Scenario) -> WaterIndex:
             return sea_water.article()
         case other:
             assert_never(other)
+
+
+def foam_coverage(scenario: Scenario) -> float:
+    """Return the share of the sea that is foam, by the law of ``sea.foam``; 0 without that table."""
+    foam = scenario.sea.foam
+    return 0.0 if foam is None else coverage(foam.law, scenario.wind.speed_m_s, extrapolate=foam.extrapolate)
+
+
+def breaking_crests(scenario: Scenario) -> BreakingCrests | None:
+    """Return the breaking crests whose foam has the coverage of the law; None for a sea without foam."""
+    foam, share = scenario.sea.foam, foam_coverage(scenario)
+    return None if foam is None or share == 0.0 else BreakingCrests.create(share, scenario.wind.speed_m_s, foam.crests)
 
 
 def glint_length(scenario: Scenario) -> float:
