@@ -21,6 +21,7 @@ from seaglint.base.conventions import FloatArray, surface_range
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.base.free_form import Attributes, JsonObject
 from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
+from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.facet.sea_view import SeaView
 from seaglint.formats.tables.input_tables import COLUMNS, read_track
@@ -299,6 +300,7 @@ def view(scenario: Scenario) -> SeaView:
         sun_distance_factor=sun.irradiance_factor,
         shadowing=Shadowing.of(scenario.mean.shadowing or "nested"),
         scattering=scatters(scenario),
+        foam=None if scenario.sea.foam is None else FoamCover(foam_coverage(scenario)),
     )
 
 
