@@ -78,7 +78,7 @@ def test_foam_moves_with_the_ship_and_fades_without_steps():
             assert _at(foam, forward, starboard, shift=6.0 * time) == pytest.approx(_at(_straight(0.0, 6.0), forward, starboard), abs=1e-9)
     shares = np.array([[_at(_straight(t, 6.0), *place) for place in places] for t in np.arange(-8.0, 12.0, 0.05)])
     # 0.05 s are 1.3 % of the life; a strip that follows the hull's side passes its edge within half a second
-    assert np.diff(shares, axis=0).min() > -0.12
+    assert np.diff(shares, axis=0).min() > -0.15
     assert shares.max() > 0.9
 
 
