@@ -79,6 +79,8 @@ class SeaView:
     #: Mean share of foam, for means; images have the share of each place. It does not count over a sea that is a blackbody.
     foam: FoamCover | None = None
     scattering: bool = True  #: Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
+    #: Mean share of foam, for means; images have the share of each place. It does not count over a sea that is a blackbody.
+    foam: FoamCover | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sensor_height) and self.sensor_height > 0.0):

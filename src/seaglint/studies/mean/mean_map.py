@@ -262,9 +262,9 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
         if beyond is not None:
             share, added = (each[part, None] for each in beyond)
             # Air beyond the standard path attenuates all parts and adds its own emission to the path.
-            lit = {name: share * getattr(fine, name) for name in ("path", "emission", "sky", "sun")}
+            lit = {name: share * getattr(fine, name) for name in ("path", "emission", "sky", "sun", "foam_sun")}
             fine, variance = replace(fine, **{**lit, "path": lit["path"] + added}), share**2 * variance
-        for name, values in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sun, variance), strict=True):
+        for name, values in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sunlight, variance), strict=True):
             mean_of_rows = average(values)
             if mean_of_rows.shape[1] > 1:
                 mean_of_rows = mean_of_rows.reshape(-1, camera.columns, points_across).mean(axis=2)
@@ -298,7 +298,7 @@ def _components_along(scenario: Scenario, view: SeaView, length: float) -> Sight
     def stacked(elevation: FloatArray, azimuth: FloatArray, solid_angle: FloatArray) -> FloatArray:
         components = along(elevation, azimuth)
         variance = sea_variance(view, components, elevation, solid_angle, length)
-        return np.concatenate([components.path, components.emission, components.sky, components.sun, variance], axis=1).T
+        return np.concatenate([components.path, components.emission, components.sky, components.sunlight, variance], axis=1).T
 
     return stacked
 
