@@ -21,7 +21,7 @@ def breaking(wind: float, n: int = 256, shortest: float = 4.0, form: str = "melv
     """Return the breaking waves of a fully developed sea with the foam of Monahan's law."""
     spectrum = ElfouhailySpectrum(wind)
     waves = WaveField.create(spectrum, plan_tiles(spectrum, shortest, n), seed, wander=True)
-    crests = BreakingCrests.create(coverage("monahan-1980", wind), wind, form)
+    crests = BreakingCrests.create(coverage("monahan-1980", wind, extrapolate=True), wind, form)
     return FoamField.create(waves, crests, wind, spectrum.wind_to_azimuth, seed)
 
 
@@ -51,7 +51,7 @@ def drawn(breaker: Breakers, time: float, cell: float = 0.125, n: int = 512, dri
 @pytest.mark.parametrize("wind", [5.0, 10.0, 15.0, 20.0])
 def test_drawn_coverage_is_the_law_and_the_integral_of_the_crests(wind: float) -> None:
     field = breaking(wind)
-    law = coverage("monahan-1980", wind)
+    law = coverage("monahan-1980", wind, extrapolate=True)
     found = np.mean([covered(field, 9.0 * i) for i in range(20)])
     assert found == pytest.approx(law, rel=0.1)
     # c T(c) Lambda(c) by quadrature
