@@ -22,9 +22,11 @@ from seaglint.climate.mirrored_sunlight import (
     place_in_pieces,
     view_elevations,
 )
+from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import NESTED
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics.band import Band
+from seaglint.optics.foam_reflectance import BUBBLES
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import sea_variance
@@ -129,6 +131,24 @@ def test_wind_from_the_other_side_is_another_sea(light, sea):
     gaussian, skewed = (looks(turned, light, sea[k]).radiance / looks(rows, light, sea[k]).radiance - 1.0 for k in ("gaussian", "skewed"))
     assert np.abs(gaussian).max() < 1e-9  # Gaussian slopes look the same from up and down the wind
     assert np.abs(skewed).max() > 0.02
+
+
+def test_bubbles_of_foam_mirror_nothing(light, sea):
+    """Foam by the wind leaves the share of the sea that mirrors; without foam not one bit changes."""
+    rows = drawn(40, 12)
+
+    def slopes_at(wind):
+        return SLOPES["gaussian"](wind, 0.0)
+
+    plain = looks(rows, light, sea["gaussian"])
+    none = looks(rows, light, seas(slopes_at, (0.0, 20.0), NESTED, lambda wind: FoamCover(0.0)))
+    foamy = looks(rows, light, seas(slopes_at, (0.0, 20.0), NESTED, lambda wind: FoamCover(2.95e-6 * wind**3.52)))
+    np.testing.assert_array_equal(plain.radiance, none.radiance)
+    bright = plain.radiance > 1e-6
+    np.testing.assert_allclose(
+        foamy.radiance[bright] / plain.radiance[bright], 1.0 - BUBBLES * 2.95e-6 * rows[bright, 1] ** 3.52, rtol=1e-4
+    )
+    np.testing.assert_allclose(foamy.chance[bright] / plain.chance[bright], foamy.radiance[bright] / plain.radiance[bright], rtol=1e-9)
 
 
 def test_no_light_without_a_sun_and_above_the_horizon(light, sea):

@@ -24,6 +24,17 @@ COX_MUNK_SLICK_WIND: Final = (0.0, 14.0)
 #: 1.8e-3 at 20 m/s.
 BREON_HENRIOT_WIND: Final = (0.0, 15.0)
 
+#: Winds at 10 m of the measurements behind the laws of foam coverage, by the name of the law [m/s].
+#:
+#: A tenth of Monahan's observations are between 12 and 17 m/s. Callaghan's law begins at 3.7 m/s, below which it has no foam; satellites
+#: give none below 2 m/s.
+FOAM_WINDS: Final = {
+    "monahan-1980": (0.0, 17.0),
+    "monahan-1980-robust": (0.0, 17.0),
+    "callaghan-2008": (0.0, 23.09),
+    "salisbury-2013": (2.0, 20.0),
+}
+
 #: Winds of the Navy maritime aerosol, and of the air tables made with it [m/s]; LOWTRAN7 silently takes any stronger wind for 20 m/s.
 NAVY_AEROSOL_WIND: Final = (0.0, 20.0)
 

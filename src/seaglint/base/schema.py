@@ -109,6 +109,7 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("sensor_roll", "degree", "turn of the sensor about its line of sight, right side down", symbol="deg"),
         Variable("range", "m", "distance from the sensor to the sea, mean over what a pixel sees of it"),
         Variable("coverage", "1", "share of a pixel that the sea fills", symbol=" "),
+        Variable("foam_share", "1", "share of a pixel that is foam", symbol=" "),
         Variable(
             "slope", "1", "slope of the sea away from the sensor, mean over what a pixel sees of it; facing it is positive", symbol=" "
         ),
@@ -145,7 +146,16 @@ MOST_SMALL: Final = 81  #: Greatest size of a small target [pixels]: 9 x 9, the 
 
 #: Name of a variable that an image may have besides its radiance.
 Layer = Literal[
-    "path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "range", "coverage", "slope", "glint_share", "object_id"
+    "path_radiance",
+    "emitted_radiance",
+    "sky_radiance",
+    "glint_radiance",
+    "range",
+    "coverage",
+    "foam_share",
+    "slope",
+    "glint_share",
+    "object_id",
 ]
 
 LAYERS: Final[tuple[str, ...]] = get_args(Layer)  #: Names of all layers, in the order in which they are listed.

@@ -30,6 +30,7 @@ from seaglint.climate.mirrored_sunlight import (
     sun_coordinate_kernel,
     view_range_kernel,
 )
+from seaglint.facet.foam import FoamCover
 from seaglint.facet.glint import FacetDensity, SunDisc, aim_disc, chance_kernel, floored, place_kernel, sun_disc
 from seaglint.facet.legs import Legs, Shadowing
 from seaglint.facet.sea_view import sea_arc
@@ -58,10 +59,10 @@ class WindSlopes(NamedTuple):
 
     first: float  #: Lowest wind [m/s].
     step: float  #: Step of the wind [m/s].
-    #: Slope parameters of each wind [(winds, 9)].
+    #: Slope parameters of each wind [(winds, 10)].
     #:
     #: These are variances along and across the waves, series (c21, c03, c40, c22, c04), rms slope of one direction, azimuth of the waves
-    #: from the wind's [rad].
+    #: from the wind's [rad], and the share of the sea that mirrors: what is not bubbles of foam.
     slopes: FloatArray
     is_gaussian: bool
     sun_leg: bool
@@ -74,13 +75,16 @@ class WindSlopes(NamedTuple):
     area: FloatArray  #: Ratio of the visible area to that of Gaussian slopes [(winds, edges, turns)]; empty for those.
 
 
-def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) -> WindSlopes:
-    """Tabulate slopes between two winds [m/s]."""
+def seas(
+    slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing, foam_at: Callable[[float], FoamCover] | None = None
+) -> WindSlopes:
+    """Tabulate slopes between two winds [m/s], and the foam of every wind; without ``foam_at`` the sea has none."""
     low, high = winds
     # Two nodes that differ, even for a single wind: interpolation needs an interval.
     nodes = np.linspace(low, max(high, low + 1e-6), max(int(np.ceil((high - low) / _STEP)) + 1, 2))
     statistics = [floored(slopes_at(float(min(wind, high)))) for wind in nodes]
     deviations = np.array([math.sqrt(0.5 * s.mss) for s in statistics])
+    mirroring = [1.0 if foam_at is None else foam_at(float(min(wind, high))).mirroring for wind in nodes]
     table = np.array([[s.mss_up, s.mss_cross, *s.coefficients] for s in statistics])
     first, last = float(deviations.min()), float(deviations.max())
     steps = 1 if last == first else max(int(np.ceil((last - first) / _DEVIATIONS)) + 1, 2)
@@ -90,7 +94,7 @@ def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) 
     return WindSlopes(
         first=low,
         step=float(nodes[1] - nodes[0]),
-        slopes=np.column_stack([table, deviations, [s.wind_to_azimuth for s in statistics]]),
+        slopes=np.column_stack([table, deviations, [s.wind_to_azimuth for s in statistics], mirroring]),
         is_gaussian=gaussian,
         sun_leg=shadowing.sun,
         first_deviation=first,
@@ -213,6 +217,7 @@ class SeaState(NamedTuple):
     sun_deviation: float
     series: float
     wave_azimuth: float
+    mirroring: float  #: Share of the sea that mirrors [1].
 
 
 @kernel
@@ -254,9 +259,8 @@ def sea_at(sea: WindSlopes, row: FloatArray, coefficients: FloatArray) -> SeaSta
     turn = row[5] - azimuth
     deviation = math.sqrt(up * math.cos(turn) ** 2 + cross * math.sin(turn) ** 2)
     series = _area_ratio(sea, wind, 1.0 / max(math.tan(min(row[4], 0.5 * math.pi - SOLAR_ANGULAR_RADIUS)) * deviation, 1e-9), turn)
-    return SeaState(
-        density, wind, ((1.0 - f) * low[7] + f * high[7] - sea.first_deviation) / sea.deviation_step, deviation, series, azimuth
-    )
+    law = ((1.0 - f) * low[7] + f * high[7] - sea.first_deviation) / sea.deviation_step
+    return SeaState(density, wind, law, deviation, series, azimuth, low[9] + f * (high[9] - low[9]))
 
 
 @njit
@@ -299,6 +303,7 @@ def direction(
         chance += share * part
     if chance <= 0.0:
         return 0.0, 0.0, cosine, up
+    chance *= state.mirroring
     weights, coarse, across = place.weights, place.coarse, place.across
     sun = sun_coordinate_kernel(up)
     v, s = place_even(across, light.values.shape[3], weights[2]), place_even(sun, light.values.shape[4], weights[3])

@@ -14,6 +14,7 @@ from seaglint.air.scattering.scattered_tables import SampledLight, ScatteredLigh
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_range
 from seaglint.base.errors import DomainError
+from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import NESTED, Shadowing
 from seaglint.facet.sunlight import STEADY, SunTable, turn_at, visible_sun
 from seaglint.optics.band import Band
@@ -76,6 +77,8 @@ class SeaView:
     shadowing: Shadowing = NESTED
     background: Background = "facets"  #: Sea without the Sun, facets or a blackbody (``Background``).
     scattering: bool = True  #: Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
+    #: Mean share of foam, for means; images have the share of each place. It does not count over a sea that is a blackbody.
+    foam: FoamCover | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sensor_height) and self.sensor_height > 0.0):

@@ -37,10 +37,12 @@ from seaglint.imaging.camera.imager import (
 from seaglint.imaging.camera.pose import Pose, Track
 from seaglint.imaging.layers import COVERAGE, EMITTED, PATH, SKY, SUN, TOTAL, Layers, layers_of, planes_for, require_layers
 from seaglint.imaging.rays import RayTables, ray_tables, rays_per_side
-from seaglint.imaging.scene import Accuracy, Instant, Levels, require_columns
+from seaglint.imaging.scene import CLEAR, Accuracy, Instant, Levels, require_columns, scene_foam
 from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles
 from seaglint.imaging.sun_in_sky import SunInSky, disc_in_pixels, sun_in_sky
 from seaglint.imaging.upright_scene import SAME, SweptScene, beyond, require_above, require_dry
+from seaglint.sea.foam.foam_field import FoamField
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.wave_field import Detail, WaveField
 
 
@@ -134,6 +136,7 @@ class TurnedScene:
     _view_at: Callable[[float], SeaView]
     _survey: AngleSurvey
     _whole: Levels  #: Sea in full detail, for views that are walked alone.
+    breaking: FoamField | None = None  #: Breaking waves, for views with foam.
     _finer: int = 1  #: Pixels along a side of the pixels that the accuracy settings refer to.
     _still: _AttitudePlan | None = None
     _heights: OrderedDict[float, _Height] = field(default_factory=OrderedDict)
@@ -150,6 +153,7 @@ class TurnedScene:
         layers: Collection[str] = (),
         sparkles: Sparkles = NO_SPARKLES,
         finer: int = 1,
+        breaking: FoamField | None = None,
     ) -> TurnedScene:
         """Prepare everything that does not depend on the instant.
 
@@ -157,7 +161,7 @@ class TurnedScene:
         ----------
         view_at : callable
             ``view_at(height)`` is the ``SeaView`` of a sensor height [m].
-        imager, track, waves, accuracy, layers, sparkles
+        imager, track, waves, accuracy, layers, sparkles, breaking
             See the attributes.
         finer : int
             As of :meth:`seaglint.imaging.upright_scene.SweptScene.prepare`. The pixels of a finer picture consist of
@@ -176,7 +180,7 @@ class TurnedScene:
         settings = accuracy or Accuracy()
         if finer > 1:
             settings = replace(settings, oversampling=min(settings.oversampling, CELLS_OF_FINER))
-        empty = cls(imager, track, waves, settings, names, sparkles, view_at, nothing, whole, finer)
+        empty = cls(imager, track, waves, settings, names, sparkles, view_at, nothing, whole, breaking, finer)
         return empty._for(imager)
 
     def _for(self, imager: Imager) -> TurnedScene:
@@ -231,7 +235,8 @@ class TurnedScene:
         waves = self.waves.reseeded(seed) if self.waves is not None else None
         whole = self._whole if waves is None else replace(self._whole, detail=Detail.of(waves, 1))
         heights = OrderedDict((at, replace(h, swept=h.swept and h.swept.reseeded(seed))) for at, h in self._heights.items())
-        return replace(self, waves=waves, sparkles=self.sparkles.reseeded(seed), _whole=whole, _heights=heights)
+        breaking = self.breaking if self.breaking is None or waves is None else self.breaking.reseeded(waves, seed)
+        return replace(self, waves=waves, sparkles=self.sparkles.reseeded(seed), breaking=breaking, _whole=whole, _heights=heights)
 
     def _surveyed(self, attitudes: list[Attitude], oversampling: int) -> AngleSurvey:
         """Return the azimuth-elevation grid that serves all attitudes, and the directions of the pixels that are walked."""
@@ -350,6 +355,7 @@ class TurnedScene:
                 layers=self.layers,
                 sparkles=self.sparkles,
                 finer=self._finer * self.accuracy.oversampling,
+                breaking=self.breaking,
             )
         self._heights[at] = _Height(view, swept, cache(partial(self._rays, view)), cache(partial(sun_in_sky, view)))
         while len(self._heights) > CACHED_HEIGHTS:
@@ -406,12 +412,13 @@ class TurnedScene:
         """Return the view of sea, air and Sun from the height of a pose."""
         return self._prepared(pose.height).view
 
-    def sea(self, pose: Pose, time: float) -> Instant:
-        """Return the sea of an instant under a sensor."""
+    def sea(self, pose: Pose, time: float, ships: FoamSegments | None = NO_SEGMENTS) -> Instant:
+        """Return the sea of an instant under a sensor, with the foam of ships, or without any foam."""
         prepared = self._prepared(pose.height)
         levels = prepared.swept.levels if prepared.swept is not None else self._whole
         lattices = levels.lattices(time)
-        return Instant(levels, lattices, levels.surface(lattices, (pose.east, pose.north)))
+        foam = CLEAR if ships is None else scene_foam(prepared.view, self.breaking).at(time, ships)
+        return Instant(levels, lattices, levels.surface(lattices, (pose.east, pose.north), foam))
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
         """Return the image from a pose at a time [s]."""

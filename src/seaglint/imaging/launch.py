@@ -14,11 +14,12 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import in_threads
 from seaglint.imaging.camera.imager import Quads, Resampling, SweepGrid, apply_weights, fill_weights, resample_at_once
+from seaglint.imaging.foam_surface import NO_FOAM_SURFACE, FoamSurface, wander_rows
 from seaglint.imaging.layers import BLOCK, CHANNELS, upright
 from seaglint.imaging.rays import RayTables, walk_pixels
 from seaglint.imaging.sparkle import SparkleRows, sparkle_columns
 from seaglint.imaging.sweep.sweep import Rows, Swept, skies_alone, sweep_columns
-from seaglint.imaging.wave_surface import LONGEST_STRIP, Bounds, Surface, course, height, lay_rows, wander_rows
+from seaglint.imaging.wave_surface import LONGEST_STRIP, Bounds, Surface, course, height, lay_rows
 from seaglint.sea.tiles import Wander
 
 
@@ -29,6 +30,7 @@ def surface_of(
     levels: tuple[tuple[int, ...], ...] | None = None,
     origin: tuple[float, float] = (0.0, 0.0),
     wander: tuple[Wander, ...] = (),
+    foam: FoamSurface = NO_FOAM_SURFACE,
 ) -> Surface:
     """Bundle the lattices of one instant; without lattices the sea has no resolved waves.
 
@@ -44,6 +46,8 @@ def surface_of(
         Point under the sensor, east and north [m].
     wander : tuple of Wander
         Displacement of each lattice; none where all lie still.
+    foam : FoamSurface
+        Foam on the tiles.
     """
     sizes = np.array([z.shape[0] for z in lattices], dtype=np.int64)
     for n in sizes:
@@ -76,6 +80,7 @@ def surface_of(
         level,
         crest,
         wander_rows(wander, spacing, turn, origin),
+        foam,
     )
 
 

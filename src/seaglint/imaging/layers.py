@@ -33,11 +33,13 @@ COVERAGE: Final = 6  #: Share of the pixel that the sea fills [1].
 
 SLOPE: Final = 7  #: Slope of the sea away from the sensor times the share of the pixel that the sea fills [1].
 
-CHANNELS: Final = 8  #: Number of all channels.
+FOAM: Final = 8  #: Share of the pixel that is foam [1].
+
+CHANNELS: Final = 9  #: Number of all channels.
 
 FEWEST: Final = 3  #: Number of channels that every frame has: the first three.
 
-SKY: Final = 8  #: Plane of the mirrored sky, and of the sky itself: total radiance less Sun, emission and path.
+SKY: Final = 9  #: Plane of the mirrored sky, and of the sky itself: total radiance less Sun, emission and path.
 
 LEAST_SEEN: Final = 1e-9  #: Least share of sea in a pixel that sees any; smaller ones are rounding.
 
@@ -51,6 +53,7 @@ _PLANES: Final = {
     "glint_radiance": (SUN,),
     "range": (DISTANCE, COVERAGE),
     "coverage": (COVERAGE,),
+    "foam_share": (FOAM,),
     "slope": (SLOPE, COVERAGE),
     "glint_share": (),
     "object_id": (),
@@ -67,6 +70,7 @@ class Layers(Mapping[str, NDArray[np.float32]]):
 
     - ``range``: distance from the sensor to the sea, mean over the visible sea in a pixel; NaN without visible sea,
     - ``coverage``: share of the pixel that the sea fills,
+    - ``foam_share``: share of the pixel that is foam,
     - ``slope``: slope of the resolved waves along the line of sight,
     - ``object_id``: number of the object in the pixel; 0 without an object.
     """

@@ -19,6 +19,8 @@ from seaglint.base.conventions import FloatArray, horizon_depression, horizon_ra
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.facet.facet_tables import FacetDomain, PathTerms, facet_tables
+from seaglint.facet.foam import NO_FOAM, FoamTables, foam_emission, foam_sunlight, foam_thermal
+from seaglint.facet.foam_light import foam_tables
 from seaglint.facet.path_basis import path_basis
 from seaglint.facet.roughness import Sight, line_of_sight
 from seaglint.facet.sea_view import SeaView
@@ -26,8 +28,8 @@ from seaglint.facet.sky import SkyAbove, haze_between, haze_column, sky_above, s
 from seaglint.facet.solar_disc import DiscLine, no_disc_line
 from seaglint.facet.sunlight import Sunlight, SunTable, raised_sun, strength_kernel, sunlight_at
 from seaglint.facet.thermal import azimuth_node, facet_thermal, thermal_line
-from seaglint.imaging.layers import COVERAGE, DISTANCE, EMITTED, PATH, SLOPE, SUN, TOTAL
-from seaglint.imaging.wave_surface import Bounds, Surface, SurfaceLine, course, height, lay_course, slopes, sun_over_waves
+from seaglint.imaging.layers import COVERAGE, DISTANCE, EMITTED, FOAM, PATH, SLOPE, SUN, TOTAL
+from seaglint.imaging.wave_surface import Bounds, Surface, SurfaceLine, course, foam_share, height, lay_course, slopes, sun_over_waves
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 #: Number of arcs at which the path is tabulated, uniform in log(1 + arc/height): a step changes the transmittance by less than 1e-3.
@@ -68,6 +70,7 @@ class RayTables(NamedTuple):
     thermal: np.ndarray
     emitted: np.ndarray
     air: Air
+    foam: FoamTables  #: Light of foam; empty for a sea without foam.
 
 
 class Room(NamedTuple):
@@ -152,9 +155,17 @@ def warm_light(
 
 @njit
 def ray(
-    surface: Surface, bounds: Bounds, eye: float, tables: RayTables, optics: FacetOptics, room: Room, direction: np.ndarray, out: np.ndarray
+    surface: Surface,
+    bounds: Bounds,
+    eye: float,
+    tables: RayTables,
+    optics: FacetOptics,
+    room: Room,
+    direction: np.ndarray,
+    wide: float,
+    out: np.ndarray,
 ) -> None:
-    """Compute the channels of one ray along a unit vector (east, north, up) into ``out`` (channels,)."""
+    """Compute the channels of one ray along a unit vector (east, north, up) into ``out`` (channels,); ``wide`` [rad]: width of its foam."""
     air, sun = tables.air, tables.sunlight
     rise = direction[2]
     run = math.sqrt(direction[0] * direction[0] + direction[1] * direction[1])
@@ -195,6 +206,20 @@ def ray(
     out[EMITTED] = warm_light(tables.emitted, axes, air.path.emitted, i, sight, sine, slope)
     out[PATH], out[DISTANCE], out[COVERAGE] = path, s, 1.0
     out[SLOPE] = -(slope[0] * sight.east + slope[1] * sight.north)
+    if tables.foam.sky.shape[0] > 0:
+        away = (-sight.east, -sight.north)
+        share = foam_share(surface, 0, room.line, away, arc, wide * s)
+        local_sun = sunlight_at(sun, away[0], away[1], arc)
+        bubbles = foam_sunlight(tables.foam, (i, 0.0), local_sun, slope)
+        if share > 0.0 and bubbles > 0.0:
+            bubbles *= local_sun.share * strength_kernel(tables.strength, local_sun.up)
+            if bounds.steepest > local_sun.lower_tangent:
+                lay_course(surface, 0, (sun.horizontal_east, sun.horizontal_north), (0.0, 0.0), room.sunward)
+                bubbles *= sun_over_waves(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), local_sun)[0]
+        out[SUN] = solar * (1.0 - share * (1.0 - tables.foam.mirroring)) + share * bubbles
+        out[TOTAL] = path + (1.0 - share) * warm + share * foam_thermal(tables.foam, (i, 0.0), warm) + out[SUN]
+        out[EMITTED] = (1.0 - share) * out[EMITTED] + share * foam_emission(tables.foam, (i, 0.0), out[EMITTED])
+        out[FOAM] = share
 
 
 @njit
@@ -222,6 +247,10 @@ def walk_pixels(
         row, column = pixels[p] // columns, pixels[p] % columns
         n = samples[p]
         channels[p] = 0.0
+        side = 0.0
+        for k in range(3):
+            side += (corner[row, column + 1, k] - corner[row, column, k]) ** 2
+        wide = math.sqrt(side) / n
         for sample in range(n * n):
             f, g = (sample // n + 0.5) / n, (sample % n + 0.5) / n
             norm = 0.0
@@ -231,7 +260,7 @@ def walk_pixels(
                 direction[k] = (1.0 - f) * upper + f * lower
                 norm += direction[k] * direction[k]
             direction /= math.sqrt(norm)
-            ray(surface, bounds, eye, tables, optics, room, direction, one)
+            ray(surface, bounds, eye, tables, optics, room, direction, wide, one)
             channels[p] += one
         channels[p] /= n * n
 
@@ -272,7 +301,15 @@ def ray_tables(
 
     above = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_ROWS)
     air = Air(scale, (PATH_NODES - 1) / float(log[-1]), path, sky_above(view, above**2 - dip), dip, 1.0 / float(above[1]))
-    return RayTables(sun, view.sun_table, levels, by_azimuth(levels.thermal), by_azimuth(levels.emitted), air)
+    return RayTables(
+        sun,
+        view.sun_table,
+        levels,
+        by_azimuth(levels.thermal),
+        by_azimuth(levels.emitted),
+        air,
+        NO_FOAM if view.foam is None else foam_tables(view, basis),
+    )
 
 
 def rays_per_side(corner: FloatArray, pixels: NDArray[np.int64], height: float, shortest_wave: float) -> NDArray[np.int64]:

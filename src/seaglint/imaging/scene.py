@@ -17,9 +17,12 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sunlight import visible_sun
 from seaglint.imaging.camera.imager import Camera, Imager
 from seaglint.imaging.camera.pose import Pose
+from seaglint.imaging.foam_surface import FoamSurface, even_foam, foam_surface
 from seaglint.imaging.launch import surface_of
 from seaglint.imaging.layers import Layers
 from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Bounds, Surface, steepest_rise
+from seaglint.sea.foam.foam_field import FoamField, FoamTiles
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.wave_field import Detail, WaveField
 
 
@@ -87,6 +90,33 @@ LOW_SUN, LEAST_SHARE = math.radians(15.0), 0.06
 LAST_SHARE = 0.25  #: Share of a row that a sea must fill up to the horizon for its lines to split.
 
 WIDTHS_PER_OCTAVE = 2  #: Number of widths over which the sea is averaged, for each doubling of the distance of lines.
+
+
+class SceneFoam(NamedTuple):
+    """Foam of an instant of a scene: on the tiles of its waves, or the same share everywhere."""
+
+    share: float = 0.0  #: Share of a sea without resolved waves [1].
+    field: FoamField | None = None  #: Breaking waves of a sea with resolved waves.
+    tiles: FoamTiles | None = None  #: Their foam at the instant.
+    ships: FoamSegments = NO_SEGMENTS  #: Foam of ships at the instant.
+
+    def at(self, time: float, ships: FoamSegments = NO_SEGMENTS) -> SceneFoam:
+        """Return the foam at a time [s], with the foam of ships."""
+        return self._replace(tiles=None if self.field is None else self.field.shares(time), ships=ships)
+
+    def reseeded(self, waves: WaveField | None, seed: int) -> SceneFoam:
+        """Return the foam of another realisation of the same sea."""
+        return self if self.field is None or waves is None else self._replace(field=self.field.reseeded(waves, seed), tiles=None)
+
+
+CLEAR = SceneFoam()  #: A sea without foam.
+
+
+def scene_foam(view: SeaView, breaking: FoamField | None) -> SceneFoam:
+    """Return the foam of a scene: of breaking waves, or the mean share of the view everywhere; none for a view without foam."""
+    if view.foam is None:
+        return CLEAR
+    return SceneFoam(view.foam.share) if breaking is None else SceneFoam(field=breaking)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,11 +195,25 @@ class Levels:
         """Return heights [m] and slopes [1] of every part at a time [s]."""
         return self.detail.surfaces(time)
 
-    def surface(self, lattices: tuple[NDArray[np.float32], ...], origin: tuple[float, float]) -> Surface:
-        """Return the sea of one instant, with the sensor above ``origin``, east and north [m]."""
+    def surface(self, lattices: tuple[NDArray[np.float32], ...], origin: tuple[float, float], foam: SceneFoam = CLEAR) -> Surface:
+        """Return the sea of one instant, with the sensor above ``origin``, east and north [m], and its foam."""
         turn = np.array([part.tiles[0].rotation for part in self.detail.parts])
         wander = tuple(part.wander[0] for part in self.detail.parts if part.wander)
-        return surface_of(lattices, self.spacing, turn, tuple(level.parts for level in self.detail.levels), origin, wander)
+        return surface_of(
+            lattices, self.spacing, turn, tuple(level.parts for level in self.detail.levels), origin, wander, self._foam(foam, origin)
+        )
+
+    def _foam(self, foam: SceneFoam, origin: tuple[float, float]) -> FoamSurface:
+        """Return the foam of an instant; tiles are found among the parts of each level by their lengths."""
+        if foam.field is None or foam.tiles is None:
+            return even_foam(foam.share, origin, foam.ships)
+        waves, parts = foam.field.waves, self.detail.parts
+        length = [part.tiles[0].length for part in parts]
+        rows = np.full((len(self.detail.levels), len(waves.tiles)), -1, np.int64)
+        for i, level in enumerate(self.detail.levels):
+            for j, p in enumerate(level.parts):
+                rows[i, [tile.length for tile in waves.tiles].index(length[p])] = j
+        return foam_surface(foam.tiles, waves.tiles, waves.wander, rows, origin, foam.ships)
 
     def bounds(self, lattices: tuple[NDArray[np.float32], ...]) -> Bounds:
         """Return the bounds of the sea that determine the steps of rays over the finest level."""
@@ -361,8 +405,8 @@ class Scene(Protocol):
         """Return the view of sea, air and Sun from a pose."""
         ...
 
-    def sea(self, pose: Pose, time: float) -> Instant:
-        """Return the sea of an instant under a sensor."""
+    def sea(self, pose: Pose, time: float, ships: FoamSegments | None = NO_SEGMENTS) -> Instant:
+        """Return the sea of an instant under a sensor, with the foam of ships; None: a sea without any foam, which takes less time."""
         ...
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:

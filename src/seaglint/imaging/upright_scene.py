@@ -18,6 +18,8 @@ from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression, view_zenith_of_range, wrap_angle
 from seaglint.base.errors import DomainError
 from seaglint.facet.facet_tables import FacetDomain, facet_slopes, facet_tables
+from seaglint.facet.foam import NO_FOAM
+from seaglint.facet.foam_light import foam_tables
 from seaglint.facet.path_basis import path_basis
 from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sky import sky_above
@@ -26,12 +28,14 @@ from seaglint.imaging import launch
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager, pixels_of
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed
-from seaglint.imaging.scene import Accuracy, Instant, Levels, averaged_share, joined, require_columns
+from seaglint.imaging.scene import CLEAR, Accuracy, Instant, Levels, SceneFoam, averaged_share, joined, require_columns, scene_foam
 from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles, sparkle_rows
 from seaglint.imaging.sun_in_sky import NO_SUN, sun_in_sky
 from seaglint.imaging.sweep.sweep import SHARED, Rows, Swept
 from seaglint.imaging.sweep.walk import PATH_EVERY, Merging, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
 from seaglint.imaging.wave_surface import Surface
+from seaglint.sea.foam.foam_field import FoamField
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.shadowing.smith import smith_lambda
 from seaglint.sea.slopes.slope_statistics import gaussian_slopes
 from seaglint.sea.wave_field import WaveField
@@ -77,6 +81,7 @@ class SweptScene:
     accuracy: Accuracy  #: Accuracy settings of the drawing.
     layers: tuple[str, ...]  #: Layers beside ``radiance`` and ``glint_radiance``.
     sparkles: Sparkles  #: Glint below the pixel.
+    foam: SceneFoam  #: Foam; its share is the view's where no breaking waves are given.
     _prepared_for: Camera
     _levels: Levels
     _tables: Swept | None  #: Tables of the kernels; None where no sea can be seen.
@@ -93,11 +98,13 @@ class SweptScene:
         layers: Collection[str] = (),
         sparkles: Sparkles = NO_SPARKLES,
         finer: int = 1,
+        breaking: FoamField | None = None,
     ) -> SweptScene:
         """Prepare everything that does not change in time.
 
         ``finer``: pixels of the camera along a side of the pixels that the accuracy settings refer to. A picture that is averaged over
         ``finer x finer`` pixels, or blurred as much, needs the waves, the lines of sight and the pieces of a row of the larger pixels.
+        ``breaking``: breaking waves, for a view with foam; without them its mean share is everywhere.
 
         Raises
         ------
@@ -122,7 +129,8 @@ class SweptScene:
             levels = Levels.of(waves, planned, fine, last, first, finer, share=averaged_share(view.solar_zenith))
             if limits is not None:
                 arcs = graded_ranges(*limits, levels.begins, levels.steps, camera.height, planned.row_step)
-        empty = cls(view, camera, waves, fine, names, sparkles, camera, levels, None, planned.row_step)
+        foam = scene_foam(view, breaking)
+        empty = cls(view, camera, waves, fine, names, sparkles, foam, camera, levels, None, planned.row_step)
         return replace(empty, _tables=empty._tabled(arcs)) if arcs.size > 1 else empty
 
     @property
@@ -204,11 +212,12 @@ class SweptScene:
         if self.waves is None:
             return replace(self, sparkles=sparkles, _tables=tables)
         waves = self.waves.reseeded(seed)
-        return replace(self, waves=waves, sparkles=sparkles, _levels=self._levels.reseeded(waves), _tables=tables)
+        foam = self.foam.reseeded(waves, seed)
+        return replace(self, waves=waves, sparkles=sparkles, foam=foam, _levels=self._levels.reseeded(waves), _tables=tables)
 
     def surface(self, time: float, origin: tuple[float, float] = (0.0, 0.0)) -> Surface:
         """Return the sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""
-        return self._levels.surface(self._levels.lattices(time), origin)
+        return self._levels.surface(self._levels.lattices(time), origin, self.foam.at(time))
 
     @property
     def pixels(self) -> Imager:
@@ -223,10 +232,11 @@ class SweptScene:
         """Return the view of sea, air and Sun, equal for all poses."""
         return self.view
 
-    def sea(self, pose: Pose, time: float) -> Instant:
-        """Return the sea at a time [s] under a sensor."""
+    def sea(self, pose: Pose, time: float, ships: FoamSegments | None = NO_SEGMENTS) -> Instant:
+        """Return the sea at a time [s] under a sensor, with the foam of ships, or without any foam."""
+        foam = CLEAR if ships is None else self.foam.at(time, ships)
         lattices = self._levels.lattices(time)
-        return Instant(self._levels, lattices, self._levels.surface(lattices, (pose.east, pose.north)))
+        return Instant(self._levels, lattices, self._levels.surface(lattices, (pose.east, pose.north), foam))
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
         """Return the image from a pose at a time [s]."""
@@ -342,7 +352,8 @@ class SweptScene:
         march, highest = self._shadows(sun)
         walk = Walk(arcs, camera.height, *sight_lines(arcs, camera.height), path, every, stage, march)
         merging = Merging(self.accuracy.merged_spread, CELLS_PER_ROW / self._row, highest)
-        return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0], merging)
+        foam = NO_FOAM if view.foam is None else foam_tables(view, basis)
+        return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0], merging, foam)
 
     def _domains(self, arcs: FloatArray) -> list[FacetDomain]:
         """Return the facets of every level with the sines of their grazing angles, from troughs to crests."""

@@ -24,7 +24,8 @@ from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.sunlight import Sunlight
-from seaglint.sea.tiles import Wander
+from seaglint.imaging.foam_surface import NO_FOAM_SURFACE, FoamSurface, tile_share, wandered
+from seaglint.sea.foam.ship_foam import segments_share
 
 STRIP = 64  #: Number of samples of a line that are read together.
 
@@ -139,7 +140,7 @@ class Surface(NamedTuple):
     ``point_height`` and ``slopes``. ``grid[i] = (1/spacing, cos, sin of the lattice's turn, u, v under the sensor)``. ``level[l]``:
     parts of the level, -1 where there are no more; ``crest[l, j]``: largest height that its parts from ``j`` on add [m]. ``wander[i, w] =
     (u, v, east, north, phase)``: amplitude [cells], wave vector [cycles/m] and phase under the sensor [cycles] of the waves that make up a
-    part's displacement (``seaglint.sea.tiles``); none where tiles lie still.
+    part's displacement (``seaglint.sea.tiles``); none where tiles lie still. ``foam``: the foam on the tiles.
     """
 
     lattice: np.ndarray
@@ -148,6 +149,7 @@ class Surface(NamedTuple):
     level: np.ndarray
     crest: np.ndarray
     wander: np.ndarray
+    foam: FoamSurface = NO_FOAM_SURFACE
 
 
 class Bounds(NamedTuple):
@@ -316,6 +318,25 @@ def slopes(surface: Surface, line: SurfaceLine, r: float) -> tuple[float, float]
 
 
 @kernel
+def foam_share(surface: Surface, level: int, line: SurfaceLine, away: tuple[float, float], r: float, width: float) -> float:
+    """Return the share of foam ``r`` metres along a line of a level, a mean over a ``width`` [m]; ``away``: the line's unit vector."""
+    foam = surface.foam
+    total = foam.even
+    for t in range(foam.tile.shape[0]):
+        j = foam.row[level, t]
+        if j >= 0:
+            u, v = position(line, j, r)
+            ratio = float(foam.tile[t, 1]) / float(line.part[j, 1])
+            u, v = u * ratio, v * ratio
+        else:
+            u, v = wandered(foam, t, away, r)
+        total += tile_share(foam, t, u, v, width * foam.grid[t, 0])
+    if foam.ships.segments.shape[0] > 0:
+        total = max(total, segments_share(foam.ships, foam.origin[0] + r * away[0], foam.origin[1] + r * away[1]))
+    return min(total, 1.0)
+
+
+@kernel
 def address(line: SurfaceLine, j: int, first: float, readings: tuple[int, int], strip: Strip) -> int:
     """Compute fractions and cells over a level's part ``j`` of a strip's ``readings = (begin, end)``, up to the line's next knot.
 
@@ -463,18 +484,6 @@ def steepest_rise(lattices: tuple[NDArray[np.float32], ...], spacing: FloatArray
         z = lattice[..., 0]
         rise += math.hypot(*(float(np.abs(z - np.roll(z, 1, axis)).max()) / float(d) for axis in (0, 1)))
     return rise
-
-
-def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
-    """Return the rows ``Surface.wander`` for a sensor above ``origin`` [m]."""
-    out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
-    for rows, one, d, angle in zip(out, wander, spacing, turn, strict=False):
-        row = rows[: one.phase.size]  # waves that a part lacks have no amplitude
-        c, s = np.cos(angle), np.sin(angle)
-        row[:, :2] = one.amplitude @ np.array([[c, -s], [s, c]]) / d
-        row[:, 2:4] = one.wave_vector / (2.0 * np.pi)
-        row[:, 4] = np.mod(row[:, 2:4] @ np.array(origin) + one.phase / (2.0 * np.pi), 1.0)
-    return out
 
 
 @kernel

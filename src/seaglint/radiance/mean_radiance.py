@@ -24,6 +24,7 @@ from seaglint.facet.sunlight import turn_at
 from seaglint.facet.surface_spectra import SeaSurface, azimuth_weights, wind_azimuths
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
+from seaglint.radiance.foam_mean import FoamMean
 
 NODES: Final = 160  #: Number of elevations at which a view is tabulated.
 
@@ -41,14 +42,20 @@ class SeaRadiance:
     path: FloatArray  #: Thermal radiance of the air between sea and sensor, and sunlight that it scatters; 0 above the horizon.
     emission: FloatArray  #: Emission of the sea, attenuated; 0 above the horizon.
     sky: FloatArray  #: Sky mirrored by the sea, attenuated, with the sunlight scattered there; above the horizon the sky itself.
-    sun: FloatArray  #: Sun mirrored by the sea, attenuated; the Sun itself is not drawn above the horizon.
+    sun: FloatArray  #: Sun mirrored by the sea (glint), attenuated; the Sun itself is not drawn above the horizon.
     chance: FloatArray  #: Share of the viewed area that mirrors the Sun [1, (rows, columns)]; 0 without a Sun and above the horizon.
     cos_incidence: FloatArray  #: Cosine of the angle of incidence on the mirroring facets [1, (rows, columns)]; 0 in the same places.
+    foam_sun: FloatArray | float = 0.0  #: Sunlight that foam reflects diffusely, attenuated; it is not glint and does not sparkle.
+
+    @property
+    def sunlight(self) -> FloatArray:
+        """All sunlight that the sea reflects, glint and diffuse [W m-2 sr-1, (rows, columns)]."""
+        return np.asarray(self.sun + self.foam_sun)
 
     @property
     def total(self) -> FloatArray:
         """Sum of all components [W m-2 sr-1, (rows, columns)]."""
-        return np.asarray(self.path + self.emission + self.sky + self.sun)
+        return np.asarray(self.path + self.emission + self.sky + self.sunlight)
 
 
 def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surface: SeaSurface | None = None) -> SeaRadiance:
@@ -87,7 +94,8 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     -----
     Everything is integrated on the atmosphere's spectral samples; structure finer than these (20 cm-1 averages in LOWTRAN7) is not
     resolved, so correlations of absorption between sunlight and path inside them are missed. Rows above the sea horizon show the sky.
-    Up to 160 rows are computed one by one, more are interpolated by ``MeanModel``, within 1e-5.
+    Up to 160 rows are computed one by one, more are interpolated by ``MeanModel``, within 1e-5. With ``view.foam`` each place is a mean
+    of water and foam by the mean share of foam.
 
     References
     ----------
@@ -125,7 +133,13 @@ class SeaLines:
         if self._thermal is None:
             return MeanModel.prepare(view, self.surface).map(self._rows, self._columns)
         rows, columns, sea = self._rows, self._columns, np.isfinite(self._gamma)
-        out = _assembled(view, rows, columns, self._gamma, self._thermal.under(view), self._weights, _glint_model(view))
+        water = _assembled(view, rows, columns, self._gamma, self._thermal.under(view), self._weights, _glint_model(view))
+        out, foam = self._with_scattered(view, water, sea), FoamMean.prepare(view)
+        return out if foam is None else _with_foam(out, foam, self._gamma[:, None], columns, sea, foam.rows(self._thermal.seen))
+
+    def _with_scattered(self, view: SeaView, out: SeaRadiance, sea: NDArray[np.bool_]) -> SeaRadiance:
+        """Add the scattered sunlight of a view."""
+        rows, columns = self._rows, self._columns
         where = SeaRows.of(view, self._gamma[sea])
         light = _scattered(view, self.surface, float(where.turn.max(initial=0.0)))
         if light is None:
@@ -158,6 +172,7 @@ class MeanModel:
     _spline: CubicSpline[np.float64]
     _glint: GlintModel
     _scattered: ScatteredMap | None
+    _foam: tuple[FoamMean, CubicSpline[np.float64]] | None
 
     @classmethod
     def prepare(cls, view: SeaView, surface: SeaSurface | None = None) -> MeanModel:
@@ -176,25 +191,29 @@ class MeanModel:
         gamma = np.minimum(scale * np.sinh(x), 0.5 * np.pi)
         light = _scattered(view, surface)
         scattered = None if light is None else ScatteredMap.prepare(light, scale, x)
-        return cls(
-            view,
-            scale,
-            CubicSpline(x, ThermalRows.of(view, gamma, wind_azimuths(view.slopes), surface).under(view)),
-            _glint_model(view),
-            scattered,
-        )
+        rows, foam = ThermalRows.of(view, gamma, wind_azimuths(view.slopes), surface), FoamMean.prepare(view)
+        bubbles = None if foam is None else (foam, CubicSpline(x, foam.rows(rows.seen)))
+        return cls(view, scale, CubicSpline(x, rows.under(view)), _glint_model(view), scattered, bubbles)
 
     def map(self, elevation: ArrayLike, azimuth: ArrayLike) -> SeaRadiance:
         """Mean radiance at elevations and azimuths, as :func:`mean_radiance`; within 1e-5 of it."""
         rows, columns = _lines(elevation, azimuth)
         gamma = _sea_elevation(self.view.sensor_height, rows)
-        interpolated = self._spline(np.arcsinh(gamma[np.isfinite(gamma)] / self._scale))
+        sea = np.isfinite(gamma)
+        interpolated = self._spline(np.arcsinh(gamma[sea] / self._scale))
         weights = azimuth_weights(self.view.slopes, columns + np.pi)
         out = _assembled(self.view, rows, columns, gamma, interpolated, weights, self._glint)
-        if self._scattered is None:
+        if self._scattered is not None:
+            out = _with_scattered(out, sea, self._scattered.map(gamma[sea], columns), self._scattered.light.above(rows[~sea], columns))
+        return self._foamed(out, gamma[:, None], columns)
+
+    def _foamed(self, out: SeaRadiance, gamma: FloatArray, azimuth: FloatArray) -> SeaRadiance:
+        """Mean radiance with the view's foam, for elevations of the viewer (rows, 1) and azimuths that broadcast with them [rad]."""
+        if self._foam is None:
             return out
-        sea = np.isfinite(gamma)
-        return _with_scattered(out, sea, self._scattered.map(gamma[sea], columns), self._scattered.light.above(rows[~sea], columns))
+        foam, spline = self._foam
+        sea = np.isfinite(gamma[:, 0])
+        return _with_foam(out, foam, gamma, azimuth, sea, spline(np.arcsinh(gamma[sea, 0] / self._scale)))
 
     def along(self, elevation: FloatArray, azimuth: FloatArray) -> SeaRadiance:
         """Mean radiance along a list of lines of sight, elevation and azimuth of each [rad, (n,)]; components are (n, 1)."""
@@ -218,7 +237,8 @@ class MeanModel:
             sky[sea, 0] += more_sky
             sky[~sea, 0] += self._scattered.light.above_along(elevation[~sea], azimuth[~sea])
         turn = turn_at(sea_arc(self.view.sensor_height, gamma))
-        return SeaRadiance(path, emission, sky, *self._glint.grid(0.5 * np.pi - gamma, azimuth[:, None] + np.pi, turn, terms))
+        out = SeaRadiance(path, emission, sky, *self._glint.grid(0.5 * np.pi - gamma, azimuth[:, None] + np.pi, turn, terms))
+        return self._foamed(out, gamma[:, None], azimuth[:, None])
 
     @cached_property
     def _sky(self) -> tuple[FloatArray, FloatArray]:
@@ -266,6 +286,25 @@ def _with_scattered(out: SeaRadiance, sea: NDArray[np.bool_], scattered: tuple[F
     sky[sea] += scattered[1]
     sky[~sea] += above
     return replace(out, path=path, sky=sky)
+
+
+def _with_foam(
+    out: SeaRadiance, foam: FoamMean, gamma: FloatArray, azimuth: FloatArray, sea: NDArray[np.bool_], bubbles: FloatArray
+) -> SeaRadiance:
+    """Mix the light of a sea of water alone with foam, for rows of sea.
+
+    ``gamma`` (rows, 1) and ``azimuth`` as for ``FoamMean.incidence``; ``bubbles``: ``FoamMean.rows`` of the rows of sea.
+    """
+    share, mirroring = foam.cover.share, foam.cover.mirroring
+    emission, sky, sun, chance = (np.array(part) for part in (out.emission, out.sky, out.sun, out.chance))
+    emission[sea] = mirroring * emission[sea] + share * bubbles[:, :1]
+    sky[sea] = mirroring * sky[sea] + share * bubbles[:, 1:2]
+    sun[sea] *= mirroring
+    chance[sea] *= mirroring
+    diffuse = np.zeros(sun.shape)
+    lines = azimuth[sea] if azimuth.ndim > 1 else azimuth
+    diffuse[sea] = share * bubbles[:, 2:] * foam.incidence(gamma[sea], lines)
+    return replace(out, emission=emission, sky=sky, sun=sun, chance=chance, foam_sun=diffuse)
 
 
 @dataclass(frozen=True, eq=False)

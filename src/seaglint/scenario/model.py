@@ -14,7 +14,15 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import model_validator
 
 from seaglint.base.free_form import TomlTables
-from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, PROFILE_BAND_UM, PROFILE_HEIGHTS, TABLE_BANDS_UM
+from seaglint.base.limits import (
+    FOAM_WINDS,
+    LOWTRAN_BAND_UM,
+    LOWTRAN_HEIGHTS,
+    NAVY_AEROSOL_WIND,
+    PROFILE_BAND_UM,
+    PROFILE_HEIGHTS,
+    TABLE_BANDS_UM,
+)
 from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, LowtranFortranAtmosphere, TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.records.object_tables import Object, in_degrees, with_names
@@ -164,6 +172,23 @@ class Scenario(Record):
             return self
         text = f"= {speed:g} is above the {slopes.kind} slope fit; allowed: 0 to {slopes.winds[1]:g} m/s, or set {ask}"
         raise rule("wind.speed_m_s", text, value=speed, allowed=slopes.winds)
+
+    @model_validator(mode="after")
+    def _foam_has_waves_and_a_law(self) -> Self:
+        foam, speed = self.sea.foam, self.wind.speed_m_s
+        if foam is None:
+            return self
+        if isinstance(self.sea.slopes, FlatSlopes):
+            raise rule("sea.foam", "is given for a mirror (sea.slopes.kind = 'flat'), whose waves cannot break; leave out one of them")
+        low, high = allowed = FOAM_WINDS[foam.law]
+        if not foam.extrapolate and not low <= speed <= high:
+            side = "below" if speed < low else "above"
+            text = (
+                f"= {speed:g} is {side} the winds of the foam law {foam.law}; allowed: {low:g} to {high:g} m/s, "
+                "or set another sea.foam.law or sea.foam.extrapolate = true"
+            )
+            raise rule("wind.speed_m_s", text, value=speed, allowed=allowed)
+        return self
 
 
 def _places_itself(raw: TomlTables) -> bool:

@@ -242,6 +242,16 @@ class WaveField:
         """Coefficients (n, n) of a cubic B-spline of every tile at one time [m], whatever the renderer reads."""
         return tuple(lattice[..., -1] for lattice in self.coefficients(time))
 
+    def steepness(self, tile: int, time: float) -> SurfaceArray:
+        """Steepness ``sum |k| zeta_k`` of the waves of a tile at its lattice points at one time [1, (n, n)]: high on steep crests."""
+        (one, waves, heights), *_ = self.only(tile)._evolved(time)
+        steep = heights * np.hypot(waves.k_east, waves.k_north).astype(np.float32)
+        return np.asarray(_transformed(one, steep[..., None], 1)[..., 0])
+
+    def steepness_deviation(self, tile: int) -> float:
+        """Ensemble standard deviation of :meth:`steepness` [1]: that of the slopes of the tile's waves in all directions together."""
+        return float(np.sqrt(sum(self.only(tile).resolved_mss())))
+
     def _evolved(self, time: float) -> Iterator[tuple[Tile, _Lattice, ComplexArray]]:
         """Tiles, their waves and the Fourier coefficients of their heights at one time."""
         if not np.isfinite(time):

@@ -163,8 +163,19 @@ def scene_line(scenario: Mapping[str, Any]) -> str:
         name = f"of {Path(str(air['sounding'])).name}, continued by {name}"
     return (
         f"wind {decimals(wind['speed_m_s'])} m/s from {decimals(wind['from_deg'])} deg; {light}; "
-        f"sea at {decimals(scenario['sea']['temperature_k'])} K; air {name}"
+        f"sea at {decimals(scenario['sea']['temperature_k'])} K{_with_foam(scenario)}; air {name}"
     )
+
+
+def _with_foam(scenario: Mapping[str, Any]) -> str:
+    """Return the share of foam and its law as words of a line; nothing for a sea without foam."""
+    foam = scenario["sea"].get("foam")
+    if not foam:
+        return ""
+    from seaglint.sea.foam.coverage_laws import coverage
+
+    share = coverage(foam["law"], scenario["wind"]["speed_m_s"], extrapolate=foam["extrapolate"])
+    return f", {100.0 * share:.3g} % foam ({foam['law']})"
 
 
 def describe_recording(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> RecordingFacts:

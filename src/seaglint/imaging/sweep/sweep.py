@@ -20,15 +20,16 @@ import numpy as np
 from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
+from seaglint.facet.foam import FoamTables, foam_emission, foam_sunlight, foam_thermal
 from seaglint.facet.roughness import Sight, line_of_sight
 from seaglint.facet.sky import SkyAbove, haze_between, haze_column, path_along, sky_column, thermal_between
 from seaglint.facet.solar_disc import DISC_ROWS, DiscLine, disc_line
 from seaglint.facet.sunlight import Sunlight, SunTable, raised_sun, strength_kernel, sunlight_at
 from seaglint.facet.thermal import ThermalLine, facet_thermal, thermal_along
-from seaglint.imaging.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SLOPE, SPREAD, SUN, TOTAL
+from seaglint.imaging.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, FOAM, PATH, SLOPE, SPREAD, SUN, TOTAL
 from seaglint.imaging.sparkle import Sparkle, facet_spread
 from seaglint.imaging.sun_in_sky import NO_SUN, SunInSky, add_disc
-from seaglint.imaging.sweep.walk import Merging, Pieces, Walk, bend, elevation, merge, new_pieces, read_slopes, walk_line
+from seaglint.imaging.sweep.walk import Merging, Pieces, Walk, bend, elevation, merge, new_pieces, read_foam, read_slopes, walk_line
 from seaglint.imaging.wave_surface import Surface, SurfaceLine, course, height, new_strip, sun_over_waves
 
 NEGLIGIBLE_SUN = 3e-4  #: Share of a facet's thermal radiance below which its sunlight is not tested for shadows.
@@ -63,6 +64,7 @@ class Swept(NamedTuple):
     levels: FacetLevels  #: Facets at every level of detail.
     sparkle: Sparkle
     merging: Merging
+    foam: FoamTables  #: Light of foam; empty for a sea without foam.
 
 
 class Line(NamedTuple):
@@ -108,6 +110,7 @@ def add_rows(
             image[DISTANCE, row] += light[DISTANCE] * overlap
             image[COVERAGE, row] += overlap
             image[SLOPE, row] += light[SLOPE] * overlap
+            image[FOAM, row] += light[FOAM] * overlap
         row += 1
 
 
@@ -177,6 +180,33 @@ def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pi
         light[j, PATH] = path
         light[j, DISTANCE] = distance(walk.eye, height(surface, line.course, 0, line.course.part.shape[0], r), r)
         light[j, SLOPE] = -(slope[0] * line.sight.east + slope[1] * line.sight.north)
+        light[j, FOAM] = 0.0
+
+
+@kernel
+def add_foam(swept: Swept, surface: Surface, line: Line, pieces: Pieces, j: int, sun: Sunlight) -> None:
+    """Mix the light of a shaded piece of water with the light of its foam (``seaglint.facet.foam``); ``sun`` is the Sun at the piece."""
+    share, walk, light = pieces.foam[j], swept.walk, pieces.light
+    i = (pieces.begin[j] + pieces.sample[j]) >> 1
+    if share <= 0.0 or i == 0:
+        return
+    at, slope = (i // walk.every, (i % walk.every) / walk.every), (pieces.slope[j, 0], pieces.slope[j, 1])
+    path = line.path[at[0]] + at[1] * (line.path[at[0] + 1] - line.path[at[0]])
+    glint, bubbles = light[j, SUN], foam_sunlight(swept.foam, at, sun, slope)
+    if bubbles > 0.0:
+        bubbles *= sun.share * strength_kernel(swept.strength, sun.up)
+        march = (walk.shadow[line.level, 0], walk.shadow[line.level, 1])
+        if march[0] > 0.0:
+            bubbles *= sun_over_waves(surface, line.level, line.course, line.sunward, pieces.arc[j], march, sun)[0]
+    warm = light[j, TOTAL] - path - glint
+    mirrored = 1.0 - share * (1.0 - swept.foam.mirroring)
+    light[j, SUN] = glint * mirrored + share * bubbles
+    light[j, TOTAL] = path + (1.0 - share) * warm + share * foam_thermal(swept.foam, at, warm) + light[j, SUN]
+    light[j, SPREAD] *= mirrored * mirrored
+    if light.shape[1] > FEWEST:
+        emitted = light[j, EMITTED]
+        light[j, EMITTED] = (1.0 - share) * emitted + share * foam_emission(swept.foam, at, emitted)
+        light[j, FOAM] = share
 
 
 @kernel
@@ -205,6 +235,8 @@ def shade_line(
             known = sample[j] // swept.walk.every
             sun = sunlight_at(optics.sunlight, -line.sight.east, -line.sight.north, pieces.arc[j])
         shade_piece(swept, surface, FacetOptics(sun, optics.roughness, optics.tables), line, pieces, j, below)
+        if swept.foam.sky.shape[0] > 0:
+            add_foam(swept, surface, line, pieces, j, sun)
         below = extent[j, 1]
     # radiance is linear over a piece; next to a hidden gap only the neighbour on the other side gives the slope
     low = elevation(lowest)
@@ -349,6 +381,8 @@ def sweep_columns(
                     count, i, highest = walk_line(walk, surface, level, line.course, (i, end), horizon, strip, pieces.sample, pieces.extent)
                     # separate from the walk, so that readings of one piece can overlap with readings of the next
                     read_slopes(surface, line.course, walk.range_m, pieces, count, strip)
+                    if swept.foam.sky.shape[0] > 0:
+                        read_foam(surface, level, line.course, (-sight.east, -sight.north), width / lines, pieces, count)
                     count = merge(pieces, count, tangent, optics.roughness, limits)
                     shade_line(swept, surface, optics, line, pieces, count, tangent, cuts[column], images[column])
                     tangent = highest

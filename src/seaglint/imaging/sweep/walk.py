@@ -7,8 +7,8 @@ walk.
 
 The walk yields a piece at every sample that rises above the horizon. Far away and with short waves many of them share a row of the image,
 and neighbours differ by little compared with the slopes of their facets; such pieces are merged and shaded as one. A merged piece has the
-mean slope of its parts, each weighted with the elevation that it fills, and their covariance about the mean. That covariance is added to
-the covariance of the facets, and the visible and lit share of facets is averaged over it
+mean slope and the mean share of foam of its parts, each weighted with the elevation that it fills, and the covariance of their slopes. That
+covariance is added to the covariance of the facets, and the visible and lit share of facets is averaged over it
 (``seaglint.facet.facet_sunlight.merged_share``): the mean of all parts, to second order in the slopes.
 """
 
@@ -26,7 +26,20 @@ from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_tables import PathTerms
 from seaglint.facet.roughness import Roughness
 from seaglint.imaging.camera.imager import Camera
-from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Strip, Surface, SurfaceLine, add_heights, address, gradient, height
+from seaglint.imaging.foam_surface import tile_share, wandered
+from seaglint.imaging.wave_surface import (
+    LONGEST_STRIP,
+    STRIP,
+    Strip,
+    Surface,
+    SurfaceLine,
+    add_heights,
+    address,
+    gradient,
+    height,
+    position,
+)
+from seaglint.sea.foam.ship_foam import segments_share
 
 RANGE_PARTS = 0.5  #: Largest step as a share of the ground seen by one pixel row, so that near pixels consist of several pieces.
 
@@ -225,7 +238,8 @@ class Pieces(NamedTuple):
     """Visible pieces of a line from ``walk_line``, and buffers for their radiance, channel by channel.
 
     Piece ``j`` reaches from the sample ``begin[j]`` to ``sample[j]``; ``extent[j]`` is its length [m] and the tangent at its upper edge,
-    ``arc[j]`` its middle [m], ``slope[j]`` its mean slope towards east and north and ``spread[j]`` the covariance (ee, en, nn) within it.
+    ``arc[j]`` its middle [m], ``slope[j]`` its mean slope towards east and north, ``spread[j]`` the covariance (ee, en, nn) within it and
+    ``foam[j]`` its share of foam.
     """
 
     sample: np.ndarray
@@ -234,6 +248,7 @@ class Pieces(NamedTuple):
     arc: np.ndarray
     slope: np.ndarray
     spread: np.ndarray
+    foam: np.ndarray
     light: np.ndarray
 
 
@@ -256,6 +271,7 @@ def new_pieces(channels: int) -> Pieces:
         np.empty(BUFFER),
         np.empty((BUFFER, 2)),
         np.empty((BUFFER, 3)),
+        np.zeros(BUFFER),
         np.empty((BUFFER, channels)),
     )
 
@@ -300,6 +316,31 @@ def read_slopes(surface: Surface, line: SurfaceLine, range_m: np.ndarray, pieces
 
 
 @kernel
+def read_foam(surface: Surface, level: int, line: SurfaceLine, away: tuple[float, float], wide: float, pieces: Pieces, count: int) -> None:
+    """Compute ``foam_share`` of the first ``count`` pieces; ``away``: unit vector of the line, ``wide``: its width [rad]."""
+    foam = surface.foam
+    for n in range(count):
+        pieces.foam[np.uint64(n)] = foam.even
+    for t in range(foam.tile.shape[0]):
+        j, cells = foam.row[level, t], foam.grid[t, 0]
+        ratio = float(foam.tile[t, 1]) / float(line.part[j, 1]) if j >= 0 else 0.0
+        for n in range(count):
+            k = np.uint64(n)
+            r = pieces.arc[k]
+            u, v = position(line, j, r) if j >= 0 else wandered(foam, t, away, r)
+            if j >= 0:
+                u, v = u * ratio, v * ratio
+            pieces.foam[k] += tile_share(foam, t, u, v, wide * r * cells)
+    if foam.ships.segments.shape[0] > 0:
+        for n in range(count):
+            r = pieces.arc[np.uint64(n)]
+            ship = segments_share(foam.ships, foam.origin[0] + r * away[0], foam.origin[1] + r * away[1])
+            pieces.foam[np.uint64(n)] = max(pieces.foam[np.uint64(n)], ship)
+    for n in range(count):
+        pieces.foam[np.uint64(n)] = min(pieces.foam[np.uint64(n)], 1.0)
+
+
+@kernel
 def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: tuple[float, float, float, float]) -> int:
     """Merge neighbours among the first ``count`` pieces in place; return the number left.
 
@@ -320,7 +361,7 @@ def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: t
         weight = top - below
         sums = (0.0, 0.0, 0.0, 0.0, 0.0)
         mean, spread = (0.0, 0.0), (0.0, 0.0, 0.0)
-        arc = pieces.arc[j] * weight
+        arc, foam = pieces.arc[j] * weight, pieces.foam[j] * weight
         cell = math.floor((limits[3] - elevation(top)) * limits[1])
         n += 1
         while n < count and merged > 0:
@@ -338,10 +379,12 @@ def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: t
                 break
             sums, mean, spread = new_sums, new_mean, (ee, en, nn)
             arc, weight, length = arc + w * pieces.arc[k], weight + w, length + pieces.extent[k, 0]
+            foam += w * pieces.foam[k]
             sample, top = pieces.sample[k], above
             n += 1
         at = np.uint64(merged)
         pieces.arc[at] = arc / weight if sample > begin else pieces.arc[j]
+        pieces.foam[at] = foam / weight if sample > begin else pieces.foam[j]
         pieces.begin[at], pieces.sample[at] = begin, sample
         pieces.extent[at, 0], pieces.extent[at, 1] = length, top
         pieces.slope[at, 0], pieces.slope[at, 1] = east + mean[0], north + mean[1]

@@ -54,6 +54,7 @@ _ADDED: Final = {
     "sky_radiance": (MIRRORED,),
     "glint_radiance": (SUN,),
     "coverage": (),
+    "foam_share": (),
 }
 
 

@@ -213,6 +213,18 @@ class Glint(Record):
     ] = None
 
 
+class Foam(Record):
+    """Foam of breaking waves: its share of the sea by the wind, and the crests that leave it."""
+
+    law: Annotated[
+        Literal["monahan-1980", "monahan-1980-robust", "callaghan-2008", "salisbury-2013"], about("law of the share of foam by the wind")
+    ] = "monahan-1980"
+    extrapolate: Annotated[StrictBool, about("allow winds outside the range of the law")] = False
+    crests: Annotated[Literal["melville-matusov-2002", "phillips-1985"], about("distribution of the breaking crests over their speed")] = (
+        "melville-matusov-2002"
+    )
+
+
 class Sea(Record):
     """The water and its shape."""
 
@@ -229,3 +241,4 @@ class Sea(Record):
     slopes: Annotated[Slopes, about("slope statistics of the whole sea")] = CoxMunkAnisotropic()
     spectrum: Annotated[Spectrum, about("spectrum of the waves that are geometry")] = Elfouhaily()
     glint: Annotated[Glint, about("correlation of glint")] = Glint()
+    foam: Annotated[Foam | None, about("foam of breaking waves; without it the sea has none")] = None

@@ -21,6 +21,7 @@ from seaglint.base.conventions import FloatArray, surface_range
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.base.free_form import Attributes, JsonObject
 from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
+from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.facet.sea_view import SeaView
 from seaglint.formats.tables.input_tables import COLUMNS, read_track
@@ -42,6 +43,9 @@ from seaglint.scenario.records.object_tables import Object
 from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
 from seaglint.scenario.records.small_tables import Platform
 from seaglint.scenario.sun import SunPosition, sun_position
+from seaglint.sea.foam.breaking_crests import BreakingCrests
+from seaglint.sea.foam.coverage_laws import coverage
+from seaglint.sea.foam.foam_field import FoamField
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
@@ -161,6 +165,18 @@ def water(scenario: Scenario) -> WaterIndex:
             return sea_water.article()
         case other:
             assert_never(other)
+
+
+def foam_coverage(scenario: Scenario) -> float:
+    """Return the share of the sea that is foam, by the law of ``sea.foam``; 0 without that table."""
+    foam = scenario.sea.foam
+    return 0.0 if foam is None else coverage(foam.law, scenario.wind.speed_m_s, extrapolate=foam.extrapolate)
+
+
+def breaking_crests(scenario: Scenario) -> BreakingCrests | None:
+    """Return the breaking crests whose foam has the coverage of the law; None for a sea without foam."""
+    foam, share = scenario.sea.foam, foam_coverage(scenario)
+    return None if foam is None or share == 0.0 else BreakingCrests.create(share, scenario.wind.speed_m_s, foam.crests)
 
 
 def glint_length(scenario: Scenario) -> float:
@@ -285,6 +301,7 @@ def view(scenario: Scenario) -> SeaView:
         sun_distance_factor=sun.irradiance_factor,
         shadowing=Shadowing.of(scenario.mean.shadowing or "nested"),
         scattering=scatters(scenario),
+        foam=None if scenario.sea.foam is None else FoamCover(foam_coverage(scenario)),
     )
 
 
@@ -431,6 +448,14 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
             **facts,
         },
     )
+
+
+def breaking_waves(scenario: Scenario, waves: WaveField | None) -> FoamField | None:
+    """Return the breaking waves of a sea; None without foam and without resolved waves, where its mean share is everywhere."""
+    crests = breaking_crests(scenario)
+    if crests is None or waves is None:
+        return None
+    return FoamField.create(waves, crests, scenario.wind.speed_m_s, waves.spectrum.wind_to_azimuth, scenario.seed)
 
 
 def require_drawable(scenario: Scenario, statistics: SlopeStatistics) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,7 +18,7 @@ from seaglint.air.profile.profile_atmosphere import WindyAir
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError, ScenarioError
-from seaglint.base.limits import NAVY_AEROSOL_WIND, WIND_PROFILE
+from seaglint.base.limits import FOAM_WINDS, NAVY_AEROSOL_WIND, WIND_PROFILE
 from seaglint.climate.conditions import (
     Conditions,
     GeographicRegion,
@@ -36,6 +36,7 @@ from seaglint.climate.mirrored_sunlight import MirroredLight, mirrored_light
 from seaglint.climate.weather_selection import GeographicBox
 from seaglint.climate.weather_table import WeatherTable, stand_ins_told
 from seaglint.climate.world_weather import NAME, time_of_year
+from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.formats.lowtran.deck import MODELS
 from seaglint.formats.weather.weather_cells import read_cells
@@ -45,6 +46,7 @@ from seaglint.scenario.records.atmosphere_table import TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.records.sea_tables import FlatSlopes, SpectrumSlopes
 from seaglint.scenario.sun import SunPosition, sun_position
+from seaglint.sea.foam.coverage_laws import coverage
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.build import scenario_physics
@@ -88,6 +90,7 @@ class LikelihoodModel:
                 notes += found.notes(top)
                 _air_of_strong_winds(scenario, top, notes)
                 models, row_model = found.models
+                _foam_of_strong_winds(scenario, top, notes)
                 looks = _looks(settings, notes)
                 return cls(scenario, None, found, models=models, row_model=row_model, winds=(0.0, top), looks=looks, notes=tuple(notes))
             notes.append(f"likelihood.weather is not given, and {found}: the packaged table {NORTH_ATLANTIC} serves")
@@ -108,6 +111,7 @@ class LikelihoodModel:
             )
         models, row_model = _models(scenario, table)
         winds = _winds(scenario, table, notes)
+        _foam_of_strong_winds(scenario, winds[1], notes)
         looks = _looks(settings, notes)
         return cls(scenario, table, None, models=models, row_model=row_model, winds=winds, looks=looks, notes=tuple(notes))
 
@@ -257,7 +261,8 @@ class LikelihoodModel:
                 return cox_munk_isotropic(wind, height=WIND_HEIGHT)
             return slopes(scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": wind, "from_deg": 180.0})}))
 
-        return seas(slopes_at, self.winds, shadowing)
+        # the article's sea has no foam
+        return seas(slopes_at, self.winds, shadowing, None if article else foam_by_wind(scenario))
 
     @cached_property
     def bandwidth(self) -> dict[str, float]:
@@ -384,6 +389,22 @@ def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[f
         )
     _air_of_strong_winds(scenario, min(top, float(table["wind_speed_m_s"].max())), notes)
     return 0.0, min(top, max(float(table["wind_speed_m_s"].max()) + 2.0, 4.0))
+
+
+def foam_by_wind(scenario: Scenario) -> Callable[[float], FoamCover] | None:
+    """Return the foam at any wind, with the nearest wind of its law where the scenario does not extrapolate; None without foam."""
+    foam = scenario.sea.foam
+    if foam is None:
+        return None
+    low, high = (0.0, math.inf) if foam.extrapolate else FOAM_WINDS[foam.law]
+    return lambda wind: FoamCover(0.0 if wind < low else coverage(foam.law, min(wind, high), extrapolate=foam.extrapolate))
+
+
+def _foam_of_strong_winds(scenario: Scenario, strongest: float, notes: list[str]) -> None:
+    """Note that foam of winds above those of its law is the law's strongest."""
+    foam = scenario.sea.foam
+    if foam is not None and not foam.extrapolate and strongest > FOAM_WINDS[foam.law][1]:
+        notes.append(f"foam of winds above {FOAM_WINDS[foam.law][1]:g} m/s, the strongest of {foam.law}, is taken as at that wind")
 
 
 def _looks(settings: Likelihood, notes: list[str]) -> dict[str, FloatArray]:

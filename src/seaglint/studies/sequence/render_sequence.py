@@ -31,6 +31,7 @@ from seaglint.objects.drawing.light import Counting
 from seaglint.optics.band import apparent_temperature
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SunPosition, sun_position, sun_step
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS
 from seaglint.sea.wave_field import WaveField
 from seaglint.store.layout import Layout
 from seaglint.store.provenance import provenance
@@ -160,7 +161,7 @@ class Sequence:
         if self.objects is None:
             layers = image(scene, pose, time) if columns is None else scene.columns(pose, time, columns)
             return DrawnImage(layers, layers.radiance, ())
-        sea = scene.sea(pose, time)
+        sea = scene.sea(pose, time, NO_SEGMENTS if scene.view.foam is None else self.objects.foam(time))
         layers = image(scene, pose, time, sea) if columns is None else scene.columns(pose, time, columns, sea)
         window = (columns or (0, scene.pixels.columns), (0, scene.pixels.rows))
         return self.objects.draw(scene, pose, time, (layers, sea), window, compose=compose)
@@ -171,7 +172,7 @@ class Sequence:
             return ()
         scene, pose = self.scene_at(time), self.track.at(time)
         dark = np.zeros((scene.pixels.rows, columns[1] - columns[0]), np.float32)
-        image = Layers({"radiance": dark, "glint_radiance": dark}), scene.sea(pose, time)
+        image = Layers({"radiance": dark, "glint_radiance": dark}), scene.sea(pose, time, None)
         return self.objects.draw(scene, pose, time, image, (columns, (0, scene.pixels.rows))).sights
 
     def scene_at(self, time: float) -> Scene:
@@ -288,25 +289,31 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool, finer: in
         bent = bending(scenario, first)
         sea = scenario_physics.sea(scenario, first.slopes)
         track = scenario_physics.track(scenario)
+        breaking = scenario_physics.breaking_waves(scenario, sea.waves)
 
         shift = None if bent is None else RowShift.of(bent, camera)
         grid = camera if shift is None else shift.standard
 
         def prepared(sun: SunPosition) -> Scene:
             view = scenario_physics.under(first, sun)
-            scene = SweptScene.prepare(view, grid, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times)
+            scene = SweptScene.prepare(
+                view, grid, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times, breaking=breaking
+            )
             return scene if shift is None else RefractedScene(scene, shift)
     else:
         require_standard_refraction(scenario)
         sea = scenario_physics.sea(scenario, slopes(scenario))
         imager, at = scenario_physics.imager(scenario), scenario_physics.view_at(scenario)
         track = scenario_physics.track(scenario, sea.waves)
+        breaking = scenario_physics.breaking_waves(scenario, sea.waves)
 
         def prepared(sun: SunPosition) -> Scene:
             def view(height: float) -> SeaView:
                 return scenario_physics.under(at(height), sun)
 
-            return TurnedScene.prepare(view, imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times)
+            return TurnedScene.prepare(
+                view, imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times, breaking=breaking
+            )
 
     scene = prepared(sun_position(scenario))
     view = scene.view

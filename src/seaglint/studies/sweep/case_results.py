@@ -147,7 +147,7 @@ def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     pixel = float(imager.solid_angle(pose.attitude, 0.5 * imager.columns, 0.5 * imager.rows))
     variance = sea_variance(view, components, elevation, np.full(elevation.size, pixel), scenario_physics.glint_length(scenario))
     temperature = apparent_temperature(components.total, view.band, view.atmosphere.wavenumber_cm)
-    values = (components.total, temperature, components.path, components.emission, components.sky, components.sun, np.sqrt(variance))
+    values = (components.total, temperature, components.path, components.emission, components.sky, components.sunlight, np.sqrt(variance))
     shape = (elevation.size, azimuth.size)
     variables = {
         name: NamedArray(at.dims, _shaped(value, shape, at))

@@ -1,0 +1,141 @@
+"""Foam of the sea for kernels: pyramids of shares on the tiles of the waves, read at the places of the waves.
+
+Each tile holds its shares on square cells and the means of 2 x 2, 4 x 4, ... of them (:mod:`seaglint.sea.foam.foam_field`). A place is read
+bilinearly on the two levels whose cells are next to the width that the reading stands for, and linearly between them, so that foam neither
+jumps nor loses its mean where the width grows. Foam of tiles whose waves a level of detail omits is still read, at the same places.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import kernel
+from seaglint.sea.foam.foam_field import FoamTiles
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
+from seaglint.sea.tiles import Tile, Wander
+
+
+class FoamSurface(NamedTuple):
+    """Foam of an instant as kernels read it.
+
+    ``share``: the pyramids of all tiles one after another; ``tile[t] = (address of the pyramid, cells along a side)``; ``grid[t] = (cells
+    per metre, cos, sin of the tile's turn, u, v under the sensor)`` and ``wander[t]`` as in ``Surface``, in cells; ``row[l, t]``: place of
+    the tile among the parts of level l, -1 where the level omits it; ``even``: share everywhere, of a sea without resolved
+    waves; ``ships``: foam of ships, by places east and north, and ``origin``: place under the sensor [m].
+    """
+
+    share: np.ndarray
+    tile: np.ndarray
+    grid: np.ndarray
+    wander: np.ndarray
+    row: np.ndarray
+    even: float
+    origin: tuple[float, float]
+    ships: FoamSegments
+
+
+def even_foam(share: float, origin: tuple[float, float] = (0.0, 0.0), ships: FoamSegments = NO_SEGMENTS) -> FoamSurface:
+    """Return a sea with the same share of foam everywhere, and that of ships."""
+    none, numbers = np.zeros((0, 5)), np.zeros((0, 2), np.int64)
+    return FoamSurface(np.zeros(0, np.float32), numbers, none, np.zeros((0, 0, 5)), numbers, share, origin, ships)
+
+
+NO_FOAM_SURFACE: Final = even_foam(0.0)  #: A sea without foam.
+
+
+def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
+    """Return the rows ``Surface.wander`` for a sensor above ``origin`` [m]."""
+    out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
+    for rows, one, d, angle in zip(out, wander, spacing, turn, strict=False):
+        row = rows[: one.phase.size]  # waves that a part lacks have no amplitude
+        c, s = np.cos(angle), np.sin(angle)
+        row[:, :2] = one.amplitude @ np.array([[c, -s], [s, c]]) / d
+        row[:, 2:4] = one.wave_vector / (2.0 * np.pi)
+        row[:, 4] = np.mod(row[:, 2:4] @ np.array(origin) + one.phase / (2.0 * np.pi), 1.0)
+    return out
+
+
+def foam_surface(
+    foam: FoamTiles,
+    tiles: tuple[Tile, ...],
+    wander: tuple[Wander, ...],
+    rows: NDArray[np.int64],
+    origin: tuple[float, float],
+    ships: FoamSegments = NO_SEGMENTS,
+) -> FoamSurface:
+    """Return the foam of an instant around a sensor above ``origin``, east and north [m].
+
+    Parameters
+    ----------
+    foam : FoamTiles
+        Pyramids of the tiles.
+    tiles : tuple of Tile
+        The tiles of the sea.
+    wander : tuple of Wander
+        Displacement of each; none where all lie still.
+    rows : ndarray
+        ``FoamSurface.row``.
+    origin : (float, float)
+        Point under the sensor [m].
+    ships : FoamSegments
+        Foam of ships.
+    """
+    size = np.array(foam.size, np.int64)
+    cell = np.array([tile.length for tile in tiles]) / size
+    turn = np.array([tile.rotation for tile in tiles])
+    first = np.concatenate([[0], np.cumsum([pyramid.size for pyramid in foam.share])[:-1]])
+    c, s = np.cos(turn), np.sin(turn)
+    u, v = (np.mod(p / cell, size) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
+    grid: FloatArray = np.stack([1.0 / cell, c, s, u, v], axis=1)
+    moved = wander_rows(wander, cell, turn, origin) if wander else np.zeros((len(tiles), 0, 5))
+    places = np.stack([first, size], axis=1).astype(np.int64)
+    return FoamSurface(np.concatenate(foam.share), places, grid, moved, rows, 0.0, origin, ships)
+
+
+@kernel
+def corners(share: np.ndarray, first: int, size: int, x: float, y: float) -> tuple[float, float, float, float, float, float]:
+    """Return the four cells of a level around a place and the fractions between them; ``x``, ``y``: cells from the middle of the first."""
+    lower_x, lower_y = math.floor(x), math.floor(y)
+    mask = size - 1
+    i, j = int(lower_x) & mask, int(lower_y) & mask
+    near, far = np.uint64(first + j * size), np.uint64(first + ((j + 1) & mask) * size)
+    left, right = np.uint64(i), np.uint64((i + 1) & mask)
+    return share[near + left], share[near + right], share[far + left], share[far + right], x - lower_x, y - lower_y
+
+
+@kernel
+def tile_share(foam: FoamSurface, t: int, u: float, v: float, width: float) -> float:
+    """Return the share of a tile's foam at a place (u, v), a mean over a ``width`` [cells]."""
+    first, size, scale = foam.tile[t, 0], foam.tile[t, 1], 1.0
+    while width >= 2.0 and size > 2:
+        first, size, scale, width = first + size * size, size >> 1, 0.5 * scale, 0.5 * width
+    # the cells of the next level contain those of this one: where they are water, so is the place
+    a, b, c, d, f, g = corners(foam.share, first + size * size, size >> 1, 0.5 * u * scale - 0.5, 0.5 * v * scale - 0.5)
+    if a + b + c + d == 0.0:
+        return 0.0
+    above = a + f * (b - a) + g * (c - a + f * (d - c - b + a))
+    part = min(max(width - 1.0, 0.0), 1.0)
+    if part == 1.0:
+        return above
+    a, b, c, d, f, g = corners(foam.share, first, size, u * scale - 0.5, v * scale - 0.5)
+    fine = a + f * (b - a) + g * (c - a + f * (d - c - b + a))
+    return fine + part * (above - fine)
+
+
+@kernel
+def wandered(foam: FoamSurface, t: int, away: tuple[float, float], r: float) -> tuple[float, float]:
+    """Return the place (u, v) [cells] on a tile, ``r`` metres from under the sensor along a horizontal unit vector (east, north)."""
+    scale, c, s = foam.grid[t, 0], foam.grid[t, 1], foam.grid[t, 2]
+    u = foam.grid[t, 3] + r * scale * (c * away[0] + s * away[1])
+    v = foam.grid[t, 4] + r * scale * (c * away[1] - s * away[0])
+    for w in range(foam.wander.shape[1]):
+        phase = foam.wander[t, w, 4] + r * (foam.wander[t, w, 2] * away[0] + foam.wander[t, w, 3] * away[1])
+        height = math.sin(2.0 * math.pi * (phase - math.floor(phase)))
+        u += foam.wander[t, w, 0] * height
+        v += foam.wander[t, w, 1] * height
+    return u, v

@@ -1,0 +1,1 @@
+"""Foam of breaking waves: coverage against wind speed, and the crests that leave it."""
