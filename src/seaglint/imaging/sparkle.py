@@ -62,15 +62,20 @@ SURVEYED = 24  #: Number of rows and columns at which this variance is evaluated
 
 
 class Sparkle(NamedTuple):
-    """Sparkle parameters of an image: two words of the seed, the cell's length [m] (0: no sparkles) and the correlation time [s]."""
+    """Sparkle parameters of an image.
+
+    Two words of the seed, the cell's length [m] (0: no sparkles), the correlation time [s], and the radius of a disc with the solid angle
+    of the light [rad].
+    """
 
     seed_low: int
     seed_high: int
     cell: float
     correlation_time: float
+    radius: float
 
 
-NO_SPARKLE = Sparkle(0, 0, 0.0, 1.0)  #: Parameters of images that hold the mean over the facets of a pixel.
+NO_SPARKLE = Sparkle(0, 0, 0.0, 1.0, SOLAR_ANGULAR_RADIUS)  #: Parameters of images that hold the mean over the facets of a pixel.
 
 
 class SparkleRows(NamedTuple):
@@ -87,8 +92,8 @@ class SparkleRows(NamedTuple):
     column_step: float
 
 
-def sparkle_of(seed: int, cell: float, correlation_time: float) -> Sparkle:
-    """Return the sparkle parameters of a sea from the length of its cells [m] and their correlation time [s].
+def sparkle_of(seed: int, cell: float, correlation_time: float, radius: float = SOLAR_ANGULAR_RADIUS) -> Sparkle:
+    """Return the sparkle parameters of a sea from the length of its cells [m], their correlation time [s] and the light's radius [rad].
 
     Examples
     --------
@@ -96,7 +101,7 @@ def sparkle_of(seed: int, cell: float, correlation_time: float) -> Sparkle:
     0.0026
     """
     low, high = stream(seed, "sparkle").integers(0, 2**32, size=2)
-    return Sparkle(int(low), int(high), float(cell), float(correlation_time))
+    return Sparkle(int(low), int(high), float(cell), float(correlation_time), float(radius))
 
 
 def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
@@ -129,7 +134,8 @@ def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
         return 0.0
     # number of cells in a pixel
     many = patches(np.where(shown, mirrored.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
-    return float(np.sum(mirrored.chance * (1.0 - mirrored.chance) / np.maximum(many, 1.0)) / np.sum(mirrored.chance**2))
+    chance = view.disc.chance(mirrored.chance)
+    return float(np.sum(chance * (1.0 - chance) / np.maximum(many, 1.0)) / np.sum(chance**2))
 
 
 @dataclass(frozen=True)
@@ -166,7 +172,7 @@ class Sparkles:
             return NO_SPARKLE, {"subpixel_glint": "none: no mirrored Sun in the image"}
         if self.use == "auto" and variance < NEGLIGIBLE:
             return NO_SPARKLE, {"subpixel_glint": f"left out: its relative variance, {variance:.1e}, is below {NEGLIGIBLE:g}"}
-        return sparkle_of(self.seed, self.cell, self.correlation_time), {
+        return sparkle_of(self.seed, self.cell, self.correlation_time, view.disc.lit_radius), {
             "subpixel_glint": "gamma field on the water's mean position",
             "subpixel_glint_relative_variance": float(f"{variance:.3g}"),
             "subpixel_glint_cell_m": self.cell,
@@ -353,11 +359,11 @@ def facet_spread(
     """Return the variance ``piece_variance`` of a facet [W2 m-4 sr-2]; 0 without sparkles.
 
     ``factor`` [1/sr] is ``sun_factor`` times the share of the Sun above the waves; multiplied by the
-    solid angle of the Sun it is P. ``grazing``: sine and cosine of the grazing angle.
+    solid angle of the light it is P. ``grazing``: sine and cosine of the grazing angle.
     """
     if sparkle.cell <= 0.0 or factor <= 0.0:
         return 0.0
-    chance = factor * math.pi * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS
+    chance = factor * math.pi * sparkle.radius * sparkle.radius
     sine, cosine = grazing
     twice = 1.0 + cosine * (sight.east * sun.east + sight.north * sun.north) + sine * sun.up
     return piece_variance(sparkle, solar, chance, math.sqrt(max(0.5 * twice, 1e-12)), sine + sun.up, across)

@@ -35,15 +35,27 @@ _FINEST: Final = 2e-4  #: Least scale of the tabulated elevations [rad]: a mirro
 
 
 @dataclass(frozen=True, eq=False)
+class MirroredMoon:
+    """Mirrored light of the Moon beside the Sun's, as the same fields of ``SeaRadiance``."""
+
+    sun: FloatArray
+    chance: FloatArray
+    cos_incidence: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class SeaRadiance:
     """Band radiance at the aperture by origin [W m-2 sr-1]; arrays broadcast to (rows, columns)."""
 
     path: FloatArray  #: Thermal radiance of the air between sea and sensor, and sunlight that it scatters; 0 above the horizon.
     emission: FloatArray  #: Emission of the sea, attenuated; 0 above the horizon.
     sky: FloatArray  #: Sky mirrored by the sea, attenuated, with the sunlight scattered there; above the horizon the sky itself.
-    sun: FloatArray  #: Sun mirrored by the sea, attenuated; the Sun itself is not drawn above the horizon.
+    sun: FloatArray  #: Sun and Moon mirrored by the sea, attenuated; the Sun itself is not drawn above the horizon.
     chance: FloatArray  #: Share of the viewed area that mirrors the Sun [1, (rows, columns)]; 0 without a Sun and above the horizon.
     cos_incidence: FloatArray  #: Cosine of the angle of incidence on the mirroring facets [1, (rows, columns)]; 0 in the same places.
+    #: The part of ``sun`` that is the Moon's where the Moon is a second light (``SeaView.lights``), its chance and incidence; None where
+    #: it is not.
+    moon: MirroredMoon | None = None
 
     @property
     def total(self) -> FloatArray:
@@ -110,6 +122,7 @@ class SeaLines:
     @classmethod
     def prepare(cls, view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surface: SeaSurface | None = None) -> SeaLines:
         """Prepare elevations and azimuths of a view; arguments as for :func:`mean_radiance`."""
+        view, _ = view.lights
         rows, columns = _lines(elevation, azimuth)
         gamma = _sea_elevation(view.sensor_height, rows)
         sea = np.isfinite(gamma)
@@ -121,10 +134,14 @@ class SeaLines:
         return cls(surface, rows, columns, gamma, weights, thermal)
 
     def under(self, view: SeaView) -> SeaRadiance:
-        """Mean radiance under the Sun of a view that otherwise equals the prepared one, with as many bands of nested shadowing."""
+        """Mean radiance under the lights of a view that otherwise equals the prepared one, with as many bands of nested shadowing."""
         if self._thermal is None:
             return MeanModel.prepare(view, self.surface).map(self._rows, self._columns)
         rows, columns, sea = self._rows, self._columns, np.isfinite(self._gamma)
+        view, second = view.lights
+        if second is not None:
+            more = _assembled(second, rows, columns, self._gamma, self._thermal.under(second), self._weights, _glint_model(second))
+            return _with_moon(self.under(view), more)
         out = _assembled(view, rows, columns, self._gamma, self._thermal.under(view), self._weights, _glint_model(view))
         where = SeaRows.of(view, self._gamma[sea])
         light = _scattered(view, self.surface, float(where.turn.max(initial=0.0)))
@@ -158,16 +175,18 @@ class MeanModel:
     _spline: CubicSpline[np.float64]
     _glint: GlintModel
     _scattered: ScatteredMap | None
+    _moonlit: MeanModel | None = None  #: Model of the Moon where it is a second light.
 
     @classmethod
     def prepare(cls, view: SeaView, surface: SeaSurface | None = None) -> MeanModel:
-        """Tabulate a view; ``surface`` as in :func:`mean_radiance`.
+        """Tabulate a view under its lights; ``surface`` as in :func:`mean_radiance`.
 
         Raises
         ------
         DomainError
             As :func:`mean_radiance`.
         """
+        view, second = view.lights
         # even steps of arsinh(gamma/scale) are fine near the horizon and coarse overhead
         scale = horizon_depression(view.sensor_height)
         if not view.slopes.is_flat:
@@ -182,10 +201,15 @@ class MeanModel:
             CubicSpline(x, ThermalRows.of(view, gamma, wind_azimuths(view.slopes), surface).under(view)),
             _glint_model(view),
             scattered,
+            None if second is None else cls.prepare(second),
         )
 
     def map(self, elevation: ArrayLike, azimuth: ArrayLike) -> SeaRadiance:
         """Mean radiance at elevations and azimuths, as :func:`mean_radiance`; within 1e-5 of it."""
+        out = self._map(elevation, azimuth)
+        return out if self._moonlit is None else _with_moon(out, self._moonlit._map(elevation, azimuth))
+
+    def _map(self, elevation: ArrayLike, azimuth: ArrayLike) -> SeaRadiance:
         rows, columns = _lines(elevation, azimuth)
         gamma = _sea_elevation(self.view.sensor_height, rows)
         interpolated = self._spline(np.arcsinh(gamma[np.isfinite(gamma)] / self._scale))
@@ -198,6 +222,10 @@ class MeanModel:
 
     def along(self, elevation: FloatArray, azimuth: FloatArray) -> SeaRadiance:
         """Mean radiance along a list of lines of sight, elevation and azimuth of each [rad, (n,)]; components are (n, 1)."""
+        out = self._along(elevation, azimuth)
+        return out if self._moonlit is None else _with_moon(out, self._moonlit._along(elevation, azimuth))
+
+    def _along(self, elevation: FloatArray, azimuth: FloatArray) -> SeaRadiance:
         gamma = _sea_elevation(self.view.sensor_height, elevation)
         sea = np.isfinite(gamma)
         interpolated = self._spline(np.arcsinh(gamma[sea] / self._scale))
@@ -246,6 +274,11 @@ def _sea_elevation(height: float, elevation: FloatArray) -> FloatArray:
     square = np.sin(0.5 * elevation) ** 2 * (1.0 + excess) - 0.5 * excess
     with np.errstate(invalid="ignore"):
         return np.asarray(np.where(np.isfinite(view_zenith(height, -elevation)), 2.0 * np.arcsin(np.sqrt(np.maximum(square, 0.0))), np.nan))
+
+
+def _with_moon(out: SeaRadiance, more: SeaRadiance) -> SeaRadiance:
+    """Add the mirrored light of the Moon beside the Sun."""
+    return replace(out, sun=out.sun + more.sun, moon=MirroredMoon(more.sun, more.chance, more.cos_incidence))
 
 
 def _glint_model(view: SeaView) -> GlintModel:
