@@ -21,7 +21,7 @@ from seaglint.scenario.records.object_tables import Object, in_degrees, with_nam
 from seaglint.scenario.records.quantities import PACKAGED, YEARS, Quantity, Record, about, rule
 from seaglint.scenario.records.sea_tables import FlatSlopes, Sea, SpectrumSlopes, Wind
 from seaglint.scenario.records.sensor_table import Sensor
-from seaglint.scenario.records.small_tables import TABLE_BANDS_TEXT, BandSettings, Mean, Place, Platform, Render, Sun, Time
+from seaglint.scenario.records.small_tables import TABLE_BANDS_TEXT, BandSettings, Mean, Moon, Place, Platform, Render, Sun, Time
 
 
 class Scenario(Record):
@@ -31,6 +31,7 @@ class Scenario(Record):
     time: Time | None = None
     place: Place | None = None
     sun: Sun | None = None
+    moon: Annotated[Moon | None, about("the Moon beside the Sun; without it there is no moonlight")] = None
     sensor: Sensor = Sensor()
     platform: Annotated[Platform | None, about("how the sensor moves; without it the sensor stands still")] = None
     band: BandSettings = BandSettings()
@@ -81,6 +82,17 @@ class Scenario(Record):
             raise rule("place", "is missing: [time] needs [place] latitude_deg, longitude_deg to find the Sun; or give [sun] instead")
         if self.sun is None and self.time is None and self.likelihood is None:
             raise rule("time", "is missing: [place] needs [time] utc to find the Sun; or give [sun] instead")
+        return self
+
+    @model_validator(mode="after")
+    def _moon_has_a_place(self) -> Self:
+        if self.moon is None or self.moon.given:
+            return self
+        draws = self.likelihood is not None and self.sun is None
+        for key, given in (("time", self.time), ("place", self.place)):
+            if given is None and not draws:
+                text = f"has no angles and needs [{key}] too; add [{key}], or give moon.zenith_deg, moon.azimuth_deg and moon.phase_deg"
+                raise rule("moon", text)
         return self
 
     @model_validator(mode="after")
