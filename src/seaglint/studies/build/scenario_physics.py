@@ -35,7 +35,7 @@ from seaglint.imaging.sparkle import Sparkles
 from seaglint.objects.floating import MOST_SAMPLES, FloatingTrack, Swell
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
-from seaglint.optics.moonlight import moon_radius, moon_to_sun
+from seaglint.optics.moonlight import moon_to_sun
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.variance import capillary_length, correlation_length
 from seaglint.scenario.model import Scenario
@@ -273,6 +273,9 @@ def scatters(scenario: Scenario) -> bool:
     return scenario.atmosphere.scattered_sunlight
 
 
+_LOWER_LIMB: Final = math.pi  #: Bright limb of a Moon without a Sun [rad]: the lower one, towards a Sun below the horizon.
+
+
 class Lights(NamedTuple):
     """Sun and Moon over a scene."""
 
@@ -285,8 +288,9 @@ def lights(scenario: Scenario, step: int = 0) -> Lights:
     sun, moon = sun_position(scenario, step), moon_position(scenario, step)
     if moon is None:
         return Lights(sun, None)
-    ratio = partial(moon_to_sun, phase=moon.phase, distance_m=moon.distance_m, sun_distance_au=sun.distance_au)
-    return Lights(sun, Moonlight(moon.zenith, moon.azimuth, Disc(moon_radius(moon.distance_m), ratio, moon.phase, moon.bright_limb)))
+    ratio = partial(moon_to_sun, phase=moon.phase, distance_m=moon.distance_m, sun_distance_au=moon.sun_distance_au)
+    limb = _LOWER_LIMB if moon.bright_limb is None else moon.bright_limb
+    return Lights(sun, Moonlight(moon.zenith, moon.azimuth, Disc(moon.radius, ratio, moon.phase, limb)))
 
 
 def view(scenario: Scenario) -> SeaView:
