@@ -63,12 +63,15 @@ class BandSum:
 _COLD: Final = 10.0
 
 
+_THIN: Final = 1e-4  #: Least lit share of a disc of which glint is computed [1].
+
+
 @dataclass(frozen=True)
 class Disc:
     """Disc of a light in the sky: the Sun's, or the Moon's with its lit part.
 
-    The lit part lies between the limb and the terminator, half an ellipse, and has one radiance. Glint is computed with the Sun's radius
-    about the middle of the lit part: over a rough sea the disc's size does not matter.
+    The lit part lies between the limb and the terminator, half an ellipse, and has one radiance. Glint is that of a disc with the same
+    solid angle about the middle of the lit part: a rough sea does not show its shape.
     """
 
     radius: float  #: Angular radius [rad].
@@ -96,14 +99,8 @@ class Disc:
 
     @property
     def lit_radius(self) -> float:
-        """Radius of a disc with the solid angle of the lit part [rad]."""
-        return self.radius * math.sqrt(self.lit)
-
-    def chance(self, of_sun: FloatArray) -> FloatArray:
-        """Return the share of a viewed area that mirrors the lit part [1] from the share that would mirror the Sun."""
-        if self.ratio is None:
-            return of_sun
-        return np.asarray(np.minimum(of_sun * (self.lit_radius / SOLAR_ANGULAR_RADIUS) ** 2, 1.0))
+        """Radius of a disc with the solid angle of the lit part, with which glint is computed [rad]."""
+        return self.radius * math.sqrt(max(self.lit, _THIN))
 
 
 SUN_DISC: Final = Disc(SOLAR_ANGULAR_RADIUS)  #: The Sun's disc.
@@ -188,7 +185,13 @@ class SeaView:
         zenith, azimuth = self.moon.middle
         disc = replace(self.moon.disc, centre=(self.moon.zenith, self.moon.azimuth))
         moon = replace(sun, solar_zenith=zenith, solar_azimuth=azimuth, sun_distance_factor=1.0, scattering=False, disc=disc)
-        if not moon.irradiance.any():
+        try:
+            up = moon.irradiance.any()
+        except DomainError as refused:
+            if refused.name != "solar_zenith":
+                raise
+            raise DomainError(f"the Moon: {refused}", name="moon.zenith_deg", value=refused.value, allowed=refused.allowed) from refused
+        if not up:
             return sun, None
         if not sun.irradiance.any() and sun.scattered.is_dark:
             return moon, None
@@ -225,7 +228,7 @@ class SeaView:
         if not self.irradiance.any():
             return float("inf")
         slopes = np.sqrt(min(self.slopes.mss_up, self.slopes.mss_cross))
-        return float(np.hypot(slopes * max(np.cos(self.solar_zenith), 0.0), 0.5 * SOLAR_ANGULAR_RADIUS))
+        return float(np.hypot(slopes * max(np.cos(self.solar_zenith), 0.0), 0.5 * self.disc.lit_radius))
 
     @cached_property
     def irradiance(self) -> FloatArray:

@@ -27,7 +27,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import horizon_depression, horizon_range, surface_range
 from seaglint.base.jit import kernel, njit
 from seaglint.base.keyed_random import cell_key, gamma_deviate, last_event
@@ -62,20 +62,15 @@ SURVEYED = 24  #: Number of rows and columns at which this variance is evaluated
 
 
 class Sparkle(NamedTuple):
-    """Sparkle parameters of an image.
-
-    Two words of the seed, the cell's length [m] (0: no sparkles), the correlation time [s], and the radius of a disc with the solid angle
-    of the light [rad].
-    """
+    """Sparkle parameters of an image: two words of the seed, the cell's length [m] (0: no sparkles) and the correlation time [s]."""
 
     seed_low: int
     seed_high: int
     cell: float
     correlation_time: float
-    radius: float
 
 
-NO_SPARKLE = Sparkle(0, 0, 0.0, 1.0, SOLAR_ANGULAR_RADIUS)  #: Parameters of images that hold the mean over the facets of a pixel.
+NO_SPARKLE = Sparkle(0, 0, 0.0, 1.0)  #: Parameters of images that hold the mean over the facets of a pixel.
 
 
 class SparkleRows(NamedTuple):
@@ -92,8 +87,8 @@ class SparkleRows(NamedTuple):
     column_step: float
 
 
-def sparkle_of(seed: int, cell: float, correlation_time: float, radius: float = SOLAR_ANGULAR_RADIUS) -> Sparkle:
-    """Return the sparkle parameters of a sea from the length of its cells [m], their correlation time [s] and the light's radius [rad].
+def sparkle_of(seed: int, cell: float, correlation_time: float) -> Sparkle:
+    """Return the sparkle parameters of a sea from the length of its cells [m] and their correlation time [s].
 
     Examples
     --------
@@ -101,7 +96,7 @@ def sparkle_of(seed: int, cell: float, correlation_time: float, radius: float = 
     0.0026
     """
     low, high = stream(seed, "sparkle").integers(0, 2**32, size=2)
-    return Sparkle(int(low), int(high), float(cell), float(correlation_time), float(radius))
+    return Sparkle(int(low), int(high), float(cell), float(correlation_time))
 
 
 def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
@@ -128,14 +123,14 @@ def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
     solid = (ground.reach * camera.column_step * camera.row_step)[rows][:, None] / slant
     theta = np.arccos(ground.grazing[rows])[:, None]
     turn = turn_at(ground.range_m[rows])[:, None]
-    mirrored = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, turn)
+    sun = (view.solar_zenith, view.solar_azimuth)
+    mirrored = glint(theta, camera.azimuths[columns] + np.pi, *sun, view.slopes, view.shadowing, turn, view.disc.lit_radius)
     shown = mirrored.chance > 0.0
     if not shown.any():
         return 0.0
     # number of cells in a pixel
     many = patches(np.where(shown, mirrored.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
-    chance = view.disc.chance(mirrored.chance)
-    return float(np.sum(chance * (1.0 - chance) / np.maximum(many, 1.0)) / np.sum(chance**2))
+    return float(np.sum(mirrored.chance * (1.0 - mirrored.chance) / np.maximum(many, 1.0)) / np.sum(mirrored.chance**2))
 
 
 @dataclass(frozen=True)
@@ -172,7 +167,7 @@ class Sparkles:
             return NO_SPARKLE, {"subpixel_glint": "none: no mirrored Sun in the image"}
         if self.use == "auto" and variance < NEGLIGIBLE:
             return NO_SPARKLE, {"subpixel_glint": f"left out: its relative variance, {variance:.1e}, is below {NEGLIGIBLE:g}"}
-        return sparkle_of(self.seed, self.cell, self.correlation_time, view.disc.lit_radius), {
+        return sparkle_of(self.seed, self.cell, self.correlation_time), {
             "subpixel_glint": "gamma field on the water's mean position",
             "subpixel_glint_relative_variance": float(f"{variance:.3g}"),
             "subpixel_glint_cell_m": self.cell,
@@ -359,11 +354,11 @@ def facet_spread(
     """Return the variance ``piece_variance`` of a facet [W2 m-4 sr-2]; 0 without sparkles.
 
     ``factor`` [1/sr] is ``sun_factor`` times the share of the Sun above the waves; multiplied by the
-    solid angle of the light it is P. ``grazing``: sine and cosine of the grazing angle.
+    solid angle of the Sun it is P. ``grazing``: sine and cosine of the grazing angle.
     """
     if sparkle.cell <= 0.0 or factor <= 0.0:
         return 0.0
-    chance = factor * math.pi * sparkle.radius * sparkle.radius
+    chance = factor * math.pi * sun.radius * sun.radius
     sine, cosine = grazing
     twice = 1.0 + cosine * (sight.east * sun.east + sight.north * sun.north) + sine * sun.up
     return piece_variance(sparkle, solar, chance, math.sqrt(max(0.5 * twice, 1e-12)), sine + sun.up, across)

@@ -109,21 +109,22 @@ class SweptScene:
         fine, names = accuracy or Accuracy(), require_layers(layers)
         view, second = view.lights
         lights = [view] if second is None else [view, second]
+        # the accuracy of the Sun's picture, so that it is equal with and without a Moon; the Moon's where the Sun gives scattered light alone
+        leading = view if second is None or view.irradiance.any() else second
         if camera.height != view.sensor_height:
             raise DomainError(
                 f"camera at {camera.height:g} m, but the view is made for {view.sensor_height:g} m; give both the same height"
             )
         levels, arcs, planned = Levels.calm(), np.empty(0), _coarser(camera, finer)
         if waves is None:
-            doublings = calm_doublings(camera.column_step / min(light.glint_width for light in lights), fine.lines_per_column)
+            doublings = calm_doublings(camera.column_step / leading.glint_width, fine.lines_per_column)
             fine, levels = replace(fine, lines_per_column=1 << doublings), replace(levels, parts=np.zeros(doublings))
             arcs = calm_ranges(camera)
         else:
             require_dry(camera.height, waves)
             limits = sea_limits(camera, fine.crest * waves.significant_height)
             first, last = limits if limits is not None else (0.0, 0.0)
-            share = min(averaged_share(light.solar_zenith) for light in lights)
-            levels = Levels.of(waves, planned, fine, last, first, finer, share=share)
+            levels = Levels.of(waves, planned, fine, last, first, finer, share=averaged_share(leading.solar_zenith))
             if limits is not None:
                 arcs = graded_ranges(*limits, levels.begins, levels.steps, camera.height, planned.row_step)
         scenes = [cls(light, camera, waves, fine, names, sparkles, camera, levels, None, planned.row_step) for light in lights]

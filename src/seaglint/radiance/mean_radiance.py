@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression, view_zenith
 from seaglint.base.errors import DomainError
 from seaglint.facet.glint import GlintModel
@@ -282,7 +282,7 @@ def _with_moon(out: SeaRadiance, more: SeaRadiance) -> SeaRadiance:
 
 
 def _glint_model(view: SeaView) -> GlintModel:
-    return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, view.sun_table)
+    return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, view.sun_table, view.disc.lit_radius)
 
 
 def _scattered(view: SeaView, surface: SeaSurface | None, turn: float | None = None) -> ScatteredSun | None:
@@ -330,7 +330,7 @@ class ThermalRows:
     def under(self, view: SeaView) -> FloatArray:
         """Terms, followed by the terms of the mirrored Sun of a view [W m-2 sr-1, (rows, 1 + 2 k + terms)]."""
         # The spectral sum over each Chebyshev term is taken per row; the pixels then only need their angle of incidence.
-        per_term = (self.seen * view.irradiance) @ self.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)
+        per_term = (self.seen * view.irradiance) @ self.coefficients.T / (np.pi * view.disc.lit_radius**2)
         return np.concatenate([self.terms, per_term], axis=1)
 
 

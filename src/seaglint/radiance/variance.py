@@ -273,7 +273,7 @@ def sea_variance(view: SeaView, mean: SeaRadiance, elevation: ArrayLike, solid_a
             continue
         variance[sea] += glint_variance(
             mirrored.sun[sea],
-            light.disc.chance(mirrored.chance[sea]),
+            mirrored.chance[sea],
             mirrored.cos_incidence[sea],
             theta[sea][:, None],
             light.solar_zenith,
