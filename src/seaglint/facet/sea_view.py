@@ -116,14 +116,27 @@ class Moonlight:
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Zenith angle and azimuth of the middle of the lit part [rad], ``4 (1 - cos(phase)) / (3 pi)`` radii from the centre."""
+        """Zenith angle and azimuth of the middle of the lit part [rad]."""
         disc = self.disc
-        shift = disc.radius * 4.0 / (3.0 * math.pi) * (1.0 - math.cos(disc.phase))
-        up, aside = shift * math.cos(disc.bright_limb), shift * math.sin(disc.bright_limb)
-        sine, cosine = math.sin(self.zenith), math.cos(self.zenith)
-        # the direction in the vertical plane of the centre: towards it, across to the right, and up
-        towards, height = sine - up * cosine, cosine + up * sine
-        return math.atan2(math.hypot(towards, aside), height), self.azimuth + math.atan2(aside, towards)
+        zenith, azimuth = lit_middle(self.zenith, self.azimuth, disc.radius, disc.phase, disc.bright_limb)
+        return float(zenith), float(azimuth)
+
+
+def lit_middle(
+    zenith: ArrayLike, azimuth: ArrayLike, radius: ArrayLike, phase: ArrayLike, bright_limb: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Zenith angle and azimuth of the middle of a disc's lit part, ``4 (1 - cos(phase)) / (3 pi)`` radii from its centre [rad].
+
+    >>> zenith, azimuth = lit_middle(1.0, 0.5, 4.5e-3, 0.5 * math.pi, 0.0)
+    >>> round(float(1.0 - zenith), 5), float(azimuth)
+    (0.00191, 0.5)
+    """
+    shift = np.asarray(radius) * 4.0 / (3.0 * np.pi) * (1.0 - np.cos(phase))
+    up, aside = shift * np.cos(bright_limb), shift * np.sin(bright_limb)
+    sine, cosine = np.sin(zenith), np.cos(zenith)
+    # the direction in the vertical plane of the centre: towards it, across to the right, and up
+    towards, height = sine - up * cosine, cosine + up * sine
+    return np.asarray(np.arctan2(np.hypot(towards, aside), height)), np.asarray(azimuth + np.arctan2(aside, towards))
 
 
 @dataclass(frozen=True, eq=False)

@@ -120,8 +120,8 @@ def _in_plane(sun: SunInSky, azimuth: float, elevation: float) -> tuple[float, f
 def lit_parts(sun: SunInSky, azimuth: float, low: float, high: float) -> tuple[float, float, float, float]:
     """Return the lit parts of a chord between the limbs ``low`` and ``high``: lower and upper elevation of two parts [rad].
 
-    The second part, or both, may be empty. The chord is straight in the plane, and elevation is even along it within 1e-5. The terminator crosses it twice at most, because either
-    the lit or the dark part of the disc is convex.
+    The second part, or both, may be empty. The chord is straight in the plane, and elevation is even along it within 1e-5. The terminator
+    crosses it twice at most, because either the lit or the dark part of the disc is convex.
     """
     u, v = _in_plane(sun, azimuth, low)
     end_u, end_v = _in_plane(sun, azimuth, high)
