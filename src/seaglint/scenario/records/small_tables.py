@@ -1,7 +1,7 @@
 """Tables of the view: Sun, Moon, platform, band, and the computation of mean maps and images.
 
-``[time]``, ``[place]`` and ``[sun]`` give the Sun's position, these or ``[moon]`` the Moon's, ``[platform]`` the motion of the sensor, ``[band]`` the spectral band,
-``[mean]`` the method of the mean radiance, and ``[render]`` accuracy, cost and written arrays of the image.
+``[time]``, ``[place]`` and ``[sun]`` give the Sun's position, ``[moon]`` the Moon's, ``[platform]`` the motion of the sensor, ``[band]``
+the spectral band, ``[mean]`` the method of the mean radiance, and ``[render]`` accuracy, cost and written arrays of the image.
 """
 
 from __future__ import annotations
