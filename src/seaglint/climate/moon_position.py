@@ -170,9 +170,9 @@ def bright_limb(zenith: ArrayLike, azimuth: ArrayLike, sun_zenith: ArrayLike, su
     >>> round(math.degrees(bright_limb(math.radians(60.0), 0.0, math.radians(60.0), math.radians(90.0))), 1)
     63.4
     """
-    away = np.asarray(sun_azimuth, dtype=np.float64) - azimuth
-    across = np.sin(sun_zenith) * np.sin(away)
-    return np.asarray(np.arctan2(across, np.sin(zenith) * np.cos(sun_zenith) - np.cos(zenith) * np.sin(sun_zenith) * np.cos(away)))
+    moon, sun = np.asarray(zenith, dtype=np.float64), np.asarray(sun_zenith, dtype=np.float64)
+    away = np.asarray(sun_azimuth, dtype=np.float64) - np.asarray(azimuth, dtype=np.float64)
+    return np.asarray(np.arctan2(np.sin(sun) * np.sin(away), np.sin(moon) * np.cos(sun) - np.cos(moon) * np.sin(sun) * np.cos(away)))
 
 
 def geocentric_moon(times: FloatArray) -> FloatArray:
@@ -184,7 +184,7 @@ def geocentric_moon(times: FloatArray) -> FloatArray:
     flat = np.cos(latitude)
     x, y, z = flat * np.cos(longitude), flat * np.sin(longitude), np.sin(latitude)
     cosine, sine = np.cos(obliquity), np.sin(obliquity)
-    return distance * np.stack([x, cosine * y - sine * z, sine * y + cosine * z])
+    return np.asarray(distance * np.stack([x, cosine * y - sine * z, sine * y + cosine * z]))
 
 
 def _century(times: FloatArray) -> FloatArray:
