@@ -2,7 +2,7 @@ r"""Direction, phase and distance of the Moon at any time and place by the serie
 
 The 120 terms of his tables 47.A and 47.B are the largest of the lunar theory ELP-2000/82 of Chapront-Touze and Chapront; with nutation
 (chapter 22) they give the apparent position within some 10 seconds of arc. The direction is topocentric: the Moon's parallax of almost
-one degree is that of the place on the ellipsoid. Refraction is that of the Sun (:mod:`seaglint.climate.ephemeris`), whose positions also
+one degree is that of the place on the ellipsoid. Refraction is that of the Sun (``seaglint.climate.ephemeris``), whose positions also
 give the phase angle and the bright limb (chapter 48).
 
 For many draws, positions of Moon and Sun are computed at steps of six hours and interpolated by cubic splines, within 1e-5 deg.
@@ -92,7 +92,7 @@ class MoonPositions(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MoonEphemeris:
-    """Ephemeris of the Moon between two times. Make it with :meth:`between`."""
+    """Ephemeris of the Moon between two times. Make it with ``between``."""
 
     first: float  #: Earliest time that it covers, since 1970-01-01 UTC [s].
     last: float  #: Latest time that it covers, since 1970-01-01 UTC [s].

@@ -108,7 +108,7 @@ def moon_reflectance(wavenumber_cm: ArrayLike, phase: float) -> FloatArray:
 
     Examples
     --------
-    >>> [round(float(moon_reflectance(1.0e4 / 2.38, math.radians(phase))), 3) for phase in (7, 30, 90)]
+    >>> [round(float(moon_reflectance(4200.0, math.radians(x))), 3) for x in (7, 30, 90)]
     [0.26, 0.17, 0.039]
     """
     g = max(_checked_phase(phase), _LEAST_PHASE)

@@ -31,7 +31,9 @@ class Scenario(Record):
     time: Time | None = None
     place: Place | None = None
     sun: Sun | None = None
-    moon: Annotated[Moon | None, about("the Moon: three angles, or an empty table with [time] and [place]; without it there is no moonlight")] = None
+    moon: Annotated[
+        Moon | None, about("the Moon: three angles, or an empty table with [time] and [place]; without it there is no moonlight")
+    ] = None
     sensor: Sensor = Sensor()
     platform: Annotated[Platform | None, about("how the sensor moves; without it the sensor stands still")] = None
     band: BandSettings = BandSettings()

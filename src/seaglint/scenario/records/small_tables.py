@@ -57,7 +57,7 @@ class Moon(Record):
 
     @property
     def given(self) -> bool:
-        """Whether the angles are given, instead of date and place."""
+        """Return true where the angles are given, instead of date and place."""
         return self.zenith_deg is not None
 
     @model_validator(mode="after")
