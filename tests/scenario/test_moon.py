@@ -61,8 +61,8 @@ def test_it_moves_in_the_steps_of_the_sun():
     [
         ({"moon": {}}, "moon has no angles and needs [time] and [place]"),
         ({"sun": {}, "moon": {}}, "moon has no angles and needs [time] and [place]"),
-        ({"moon": {"zenith_deg": 50}}, "moon.azimuth_deg is missing beside zenith_deg; give zenith_deg, azimuth_deg and phase_deg"),
-        ({**NIGHT, "moon": {"zenith_deg": 50, "azimuth_deg": 0}}, "moon.phase_deg is missing beside zenith_deg and azimuth_deg"),
+        ({"moon": {"zenith_deg": 50}}, "moon.azimuth_deg is missing, but zenith_deg is given; give zenith_deg, azimuth_deg and phase_deg"),
+        ({**NIGHT, "moon": {"zenith_deg": 50, "azimuth_deg": 0}}, "moon.phase_deg is missing, but zenith_deg and azimuth_deg are given"),
         ({"moon": GIVEN | {"phase_deg": 400}}, "moon.phase_deg = 400 is outside the allowed range: 0 to 180 deg"),
         ({"moon": GIVEN | {"zenith_deg": -1}}, "moon.zenith_deg = -1 is outside the allowed range: 0 to 180 deg"),
         ({**NIGHT, "moon": {"distance_km": 380_000}}, "moon.distance_km = 380000 is given without angles"),

@@ -65,8 +65,9 @@ class Moon(Record):
         angles = {"zenith_deg": self.zenith_deg, "azimuth_deg": self.azimuth_deg, "phase_deg": self.phase_deg}
         missing = [name for name, angle in angles.items() if angle is None]
         if 0 < len(missing) < len(angles):
-            here = " and ".join(name for name in angles if name not in missing)
-            text = f"is missing beside {here}; give zenith_deg, azimuth_deg and phase_deg, or none of them with [time] and [place]"
+            given = [name for name in angles if name not in missing]
+            here = f"{' and '.join(given)} {'is' if len(given) == 1 else 'are'} given"
+            text = f"is missing, but {here}; give zenith_deg, azimuth_deg and phase_deg, or none of them with [time] and [place]"
             raise rule(f"moon.{missing[0]}", text)
         if missing and self.distance_km is not None:
             text = f"= {self.distance_km:g} is given without angles; leave it out, or give zenith_deg, azimuth_deg and phase_deg"
