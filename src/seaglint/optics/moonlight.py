@@ -10,9 +10,9 @@ the mean of Planck's law over the disc.
 - **Reflectance**: the phase law of Kieffer and Stone (2005) at 2.38 um, their longest wavelength, times the ratio of spherical albedos.
   Their terms for waxing and waning (6 %) and for libration (3 %) are left out.
 - **Emissivity**: one minus the spherical albedo (Kirchhoff). Up to 2.38 um the albedo is the integral of Kieffer and Stone's law; beyond,
-  an assumed smooth curve within the published properties of lunar soils: highest at 4.5 to 5 um, lowest in the Christiansen feature near 8.2 um, higher
-  again beyond 10 um (Murcray et al. 1970), with emissivities within 0.6 to 1.0 from 3.7 to 15 um (Mueller et al. 2020). It is uncertain
-  by 0.1 in 3 to 5 um and by 0.03 in 8 to 14 um.
+  an assumed smooth curve within the published properties of lunar soils: highest at 4.5 to 5 um, lowest in the Christiansen feature near
+  8.2 um, higher again beyond 10 um (Murcray et al. 1970), with emissivities within 0.6 to 1.0 from 3.7 to 15 um (Mueller et al. 2020). It
+  is uncertain by 0.1 in 3 to 5 um and by 0.03 in 8 to 14 um.
 - **Temperature**: :math:`T = T_s \mu_0^k / \sqrt d` on the lit side, with the cosine :math:`\mu_0` of the Sun's zenith angle there, and
   95 K on the dark side. :math:`T_s` = 392 K is the middle of the 387 to 397 K that Diviner measured at the equator at noon (Williams et
   al. 2017, also the source of the night). A smooth ground that conducts no heat has k = 1/4. Rough ground shows an observer near the Sun
