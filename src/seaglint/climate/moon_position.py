@@ -1,9 +1,9 @@
 r"""Direction, phase and distance of the Moon at any time and place by the series of Meeus (1998), chapter 47.
 
 The 120 terms of his tables 47.A and 47.B are the largest of the lunar theory ELP-2000/82 of Chapront-Touze and Chapront; with nutation
-(chapter 22) they give the apparent position within some 10 seconds of arc. The direction is topocentric: the Moon's parallax of almost one
-degree is that of the place on the ellipsoid. Refraction is that of the Sun (:mod:`seaglint.climate.ephemeris`), whose positions also give the
-phase angle and the bright limb (chapter 48).
+(chapter 22) they give the apparent position within some 10 seconds of arc. The direction is topocentric: the Moon's parallax of almost
+one degree is that of the place on the ellipsoid. Refraction is that of the Sun (``seaglint.climate.ephemeris``), whose positions also
+give the phase angle and the bright limb (chapter 48).
 
 For many draws, positions of Moon and Sun are computed at steps of six hours and interpolated by cubic splines, within 1e-5 deg.
 
@@ -39,8 +39,8 @@ from seaglint.climate.ephemeris import (
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-#: Multiples of the Moon's mean elongation D, the Sun's anomaly M, the Moon's anomaly M' and its argument of latitude F, with the coefficients
-#: of the sine in longitude [1e-6 deg] and of the cosine in distance [m]: Meeus' table 47.A.
+#: Multiples of the Moon's mean elongation D, the Sun's anomaly M, the Moon's anomaly M' and its argument of latitude F, with the
+#: coefficients of the sine in longitude [1e-6 deg] and of the cosine in distance [m]: Meeus' table 47.A.
 _LONGITUDE_AND_DISTANCE: Final = np.array(
     [
         (0, 0, 1, 0, 6288774, -20905355), (2, 0, -1, 0, 1274027, -3699111), (2, 0, 0, 0, 658314, -2955968),
@@ -92,11 +92,12 @@ class MoonPositions(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MoonEphemeris:
-    """Ephemeris of the Moon between two times. Make it with :meth:`between`."""
+    """Ephemeris of the Moon between two times. Make it with ``between``."""
 
     first: float  #: Earliest time that it covers, since 1970-01-01 UTC [s].
     last: float  #: Latest time that it covers, since 1970-01-01 UTC [s].
-    _vectors: CubicSpline[np.float64]  #: Geocentric vectors of Moon and Sun, equator and equinox of date [m].
+    #: Geocentric vectors of Moon and Sun, equator and equinox of date [m], and the equation of the equinoxes [rad] [(7,)].
+    _columns: CubicSpline[np.float64]
 
     @classmethod
     def between(cls, first: float, last: float) -> MoonEphemeris:
@@ -104,11 +105,11 @@ class MoonEphemeris:
         from scipy.interpolate import CubicSpline  # takes half a second
 
         times = ephemeris_steps(first, last)
-        ascension, declination, distance, _ = geocentric_sun(times).T
+        ascension, declination, distance, equinoxes = geocentric_sun(times).T
         flat = np.cos(declination)
         sun = np.stack([flat * np.cos(ascension), flat * np.sin(ascension), np.sin(declination)])
-        vectors = np.concatenate([geocentric_moon(times), constants.au * distance * sun])
-        return cls(float(first), float(last), CubicSpline(times, vectors, axis=1))
+        columns = np.concatenate([geocentric_moon(times), constants.au * distance * sun, equinoxes[None]])
+        return cls(float(first), float(last), CubicSpline(times, columns, axis=1))
 
     @classmethod
     def of_year(cls, year: int) -> MoonEphemeris:
@@ -134,11 +135,9 @@ class MoonEphemeris:
 
         Examples
         --------
-        Meeus' example 47.a, 1992 April 12 at 0 h dynamical time: 368 409.7 km from the Earth's centre.
-
-        >>> moon = MoonEphemeris.of_year(1992).at(703036800.0 - 67.0, 90.0, 0.0)
-        >>> round(float(moon.distance_m[0]) / 1e3), round(float(np.degrees(moon.phase[0])), 1)
-        (367027, 69.3)
+        >>> moon = MoonEphemeris.of_year(2026).at(1775100000.0, 36.8, -30.0)
+        >>> np.degrees([moon.zenith[0], moon.azimuth[0], moon.phase[0]]).round(2).tolist(), round(moon.distance_m[0] / 1e3)
+        ([48.97, 206.62, 3.66], 389531)
         """
         parts = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in (time, latitude, longitude)))
         t, lat, lon = (np.ravel(part) for part in parts)
@@ -148,10 +147,9 @@ class MoonEphemeris:
                 f"time = {float(t[outside][0]):g} s is outside the ephemeris, {self.first:g} to {self.last:g} s since 1970; "
                 "make one that covers it"
             )
-        vectors = self._vectors(t)
-        phi, sidereal = np.radians(lat), _sidereal_time(t) + np.radians(lon)
-        up, north, east, place = _horizon(phi, sidereal)
-        moon, sun = vectors[:3] - place, vectors[3:] - place
+        columns = self._columns(t)
+        up, north, east, place = _horizon(np.radians(lat), _sidereal_time(t) + columns[6] + np.radians(lon))
+        moon, sun = columns[:3] - place, columns[3:6] - place
         distance = np.sqrt(np.sum(moon**2, axis=0))
         zenith, azimuth = _direction(moon, up, north, east)
         limb = bright_limb(zenith, azimuth, *_direction(sun, up, north, east))
@@ -172,9 +170,9 @@ def bright_limb(zenith: ArrayLike, azimuth: ArrayLike, sun_zenith: ArrayLike, su
     >>> round(math.degrees(bright_limb(math.radians(60.0), 0.0, math.radians(60.0), math.radians(90.0))), 1)
     63.4
     """
-    away = np.asarray(sun_azimuth, dtype=np.float64) - azimuth
-    across = np.sin(sun_zenith) * np.sin(away)
-    return np.asarray(np.arctan2(across, np.sin(zenith) * np.cos(sun_zenith) - np.cos(zenith) * np.sin(sun_zenith) * np.cos(away)))
+    moon, sun = np.asarray(zenith, dtype=np.float64), np.asarray(sun_zenith, dtype=np.float64)
+    away = np.asarray(sun_azimuth, dtype=np.float64) - np.asarray(azimuth, dtype=np.float64)
+    return np.asarray(np.arctan2(np.sin(sun) * np.sin(away), np.sin(moon) * np.cos(sun) - np.cos(moon) * np.sin(sun) * np.cos(away)))
 
 
 def geocentric_moon(times: FloatArray) -> FloatArray:
@@ -186,7 +184,7 @@ def geocentric_moon(times: FloatArray) -> FloatArray:
     flat = np.cos(latitude)
     x, y, z = flat * np.cos(longitude), flat * np.sin(longitude), np.sin(latitude)
     cosine, sine = np.cos(obliquity), np.sin(obliquity)
-    return distance * np.stack([x, cosine * y - sine * z, sine * y + cosine * z])
+    return np.asarray(distance * np.stack([x, cosine * y - sine * z, sine * y + cosine * z]))
 
 
 def _century(times: FloatArray) -> FloatArray:
@@ -211,12 +209,12 @@ def _ecliptic_moon(century: FloatArray) -> tuple[FloatArray, FloatArray, FloatAr
     distance = _LONGITUDE_AND_DISTANCE[:, 5] @ (weight * np.cos(first))
     latitude = _LATITUDE[:, 4] @ (rounder ** np.abs(_LATITUDE[:, 1:2]) * np.sin(_LATITUDE[:, :4] @ arguments))
     # Venus, Jupiter and the flattening of the Earth
-    a1, a2, a3, l, f, m = np.radians(
+    a1, a2, a3, moon, f, m = np.radians(
         np.stack([119.75 + 131.849 * t, 53.09 + 479264.290 * t, 313.45 + 481266.484 * t, mean, argument, anomaly]) % 360.0
     )
-    longitude = longitude + 3958.0 * np.sin(a1) + 1962.0 * np.sin(l - f) + 318.0 * np.sin(a2)
-    latitude = latitude - 2235.0 * np.sin(l) + 382.0 * np.sin(a3) + 175.0 * (np.sin(a1 - f) + np.sin(a1 + f))
-    latitude = latitude + 127.0 * np.sin(l - m) - 115.0 * np.sin(l + m)
+    longitude = longitude + 3958.0 * np.sin(a1) + 1962.0 * np.sin(moon - f) + 318.0 * np.sin(a2)
+    latitude = latitude - 2235.0 * np.sin(moon) + 382.0 * np.sin(a3) + 175.0 * (np.sin(a1 - f) + np.sin(a1 + f))
+    latitude = latitude + 127.0 * np.sin(moon - m) - 115.0 * np.sin(moon + m)
     return np.radians(mean + 1e-6 * longitude), np.radians(1e-6 * latitude), 385_000_560.0 + distance
 
 
@@ -232,11 +230,11 @@ def _nutation(century: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _sidereal_time(times: FloatArray) -> FloatArray:
-    """Apparent sidereal time at Greenwich [rad] (Meeus, chapter 12)."""
+    """Mean sidereal time at Greenwich [rad] (Meeus, chapter 12)."""
     century = _century(times)
-    mean = 280.46061837 + 360.98564736629 * 36_525.0 * century + century**2 * (0.000387933 - century / 38_710_000.0)
-    nutation, obliquity = _nutation(century)
-    return np.asarray(np.radians(mean % 360.0) + nutation * np.cos(obliquity))
+    return np.asarray(
+        np.radians((280.46061837 + century * (13_185_000.770053742 + century * (0.000387933 - century / 38_710_000.0))) % 360.0)
+    )
 
 
 def _horizon(latitude: FloatArray, sidereal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

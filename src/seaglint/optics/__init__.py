@@ -1,1 +1,1 @@
-"""Blackbodies, bands, the refractive index of sea water and Fresnel reflection."""
+"""Blackbodies, bands, light of Sun and Moon, the refractive index of sea water and Fresnel reflection."""

@@ -4,21 +4,22 @@ The irradiance of a disc with the solid angle :math:`\Omega` is
 
 .. math:: E(\nu) = \frac{\Omega}{\pi}\, A(\nu, \alpha) \frac{E_\odot(\nu)}{d^2} + \Omega\, \epsilon(\nu)\, \overline{B(\nu, T)}
 
-with the phase angle :math:`\alpha` (0 at full Moon), the reflectance A of a Lambertian disc of equal size, the Sun's distance d [au] and the
-mean of Planck's law over the disc.
+with the phase angle :math:`\alpha` (0 at full Moon), the reflectance A of a Lambertian disc of equal size, the Sun's distance d [au] and
+the mean of Planck's law over the disc.
 
-- **Reflectance**: the phase law of Kieffer and Stone (2005) at 2.38 um, their longest wavelength, times the ratio of spherical albedos. Their
-  terms for waxing and waning (6 %) and for libration (3 %) are left out.
-- **Emissivity**: one minus the spherical albedo (Kirchhoff). Up to 2.38 um the albedo is the integral of Kieffer and Stone's law; beyond, a
-  smooth curve through what is published of lunar soils: highest at 4.5 to 5 um, lowest in the Christiansen feature near 8.2 um, higher again
-  beyond 10 um (Murcray et al. 1970), and emissivities within 0.6 to 1.0 from 3.7 to 15 um (Mueller et al. 2020). It is uncertain by 0.1 in 3
-  to 5 um and by 0.03 in 8 to 14 um.
-- **Temperature**: :math:`T = T_s \mu_0^k / \sqrt d` on the lit side, with the cosine :math:`\mu_0` of the Sun's zenith angle there, and 95 K
-  on the dark side. :math:`T_s` = 392 K is the middle of the 387 to 397 K that Diviner measured at the equator at noon (Williams et al. 2017,
-  also the source of the night). A smooth ground that conducts no heat has k = 1/4. Rough ground shows an observer near the Sun its lit slopes,
-  so that k is smaller near full Moon (1/6 of Pettit and Nicholson 1930, less at the limb in Saari and Shorthill 1972) and larger at large
-  phase angles: here :math:`k = 0.085 + 0.231\, \alpha / 90°`, fitted to the brightness temperatures of the whole disc that weather satellites
-  measured in six channels of 13.7 to 15 um at phase angles of 24 to 70 degrees (Mueller et al. 2021, table A.1), with 2.6 K of scatter.
+- **Reflectance**: the phase law of Kieffer and Stone (2005) at 2.38 um, their longest wavelength, times the ratio of spherical albedos.
+  Their terms for waxing and waning (6 %) and for libration (3 %) are left out.
+- **Emissivity**: one minus the spherical albedo (Kirchhoff). Up to 2.38 um the albedo is the integral of Kieffer and Stone's law; beyond,
+  an assumed smooth curve within the published properties of lunar soils: highest at 4.5 to 5 um, lowest in the Christiansen feature near
+  8.2 um, higher again beyond 10 um (Murcray et al. 1970), with emissivities within 0.6 to 1.0 from 3.7 to 15 um (Mueller et al. 2020). It
+  is uncertain by 0.1 in 3 to 5 um and by 0.03 in 8 to 14 um.
+- **Temperature**: :math:`T = T_s \mu_0^k / \sqrt d` on the lit side, with the cosine :math:`\mu_0` of the Sun's zenith angle there, and
+  95 K on the dark side. :math:`T_s` = 392 K is the middle of the 387 to 397 K that Diviner measured at the equator at noon (Williams et
+  al. 2017, also the source of the night). A smooth ground that conducts no heat has k = 1/4. Rough ground shows an observer near the Sun
+  its lit slopes, so that k is smaller near full Moon (1/6 of Pettit and Nicholson 1930, less at the limb in Saari and Shorthill 1972) and
+  larger at large phase angles: here :math:`k = 0.085 + 0.231\, \alpha / 90°`, fitted to the brightness temperatures of the whole disc
+  that weather satellites measured in six channels of 13.7 to 15 um at phase angles of 24 to 70 degrees (Mueller et al. 2021, table A.1),
+  with 2.6 K of scatter.
 
 References
 ----------
@@ -107,7 +108,7 @@ def moon_reflectance(wavenumber_cm: ArrayLike, phase: float) -> FloatArray:
 
     Examples
     --------
-    >>> [round(float(moon_reflectance(1.0e4 / 2.38, math.radians(phase))), 3) for phase in (7, 30, 90)]
+    >>> [round(float(moon_reflectance(4200.0, math.radians(x))), 3) for x in (7, 30, 90)]
     [0.26, 0.17, 0.039]
     """
     g = max(_checked_phase(phase), _LEAST_PHASE)
@@ -171,7 +172,7 @@ def moon_irradiance(
 
 
 def moon_to_sun(wavenumber_cm: ArrayLike, phase: float, distance_m: float = MEAN_MOON_DISTANCE, sun_distance_au: float = 1.0) -> FloatArray:
-    """Ratio of the irradiance of the whole Moon to the Sun's at 1 au, outside the atmosphere [1, (n,)]; parameters as for ``moon_irradiance``.
+    """Ratio of the Moon's irradiance to the Sun's at 1 au, outside the atmosphere [1, (n,)]; parameters as for ``moon_irradiance``.
 
     >>> [float(f"{x:.2g}") for x in moon_to_sun([2350.0, 1000.0], math.radians(10.0))]
     [7e-05, 0.0064]

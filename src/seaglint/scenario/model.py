@@ -31,7 +31,9 @@ class Scenario(Record):
     time: Time | None = None
     place: Place | None = None
     sun: Sun | None = None
-    moon: Annotated[Moon | None, about("the Moon beside the Sun; without it there is no moonlight")] = None
+    moon: Annotated[
+        Moon | None, about("the Moon: three angles, or an empty table with [time] and [place]; without it there is no moonlight")
+    ] = None
     sensor: Sensor = Sensor()
     platform: Annotated[Platform | None, about("how the sensor moves; without it the sensor stands still")] = None
     band: BandSettings = BandSettings()
@@ -89,10 +91,9 @@ class Scenario(Record):
         if self.moon is None or self.moon.given:
             return self
         draws = self.likelihood is not None and self.sun is None
-        for key, given in (("time", self.time), ("place", self.place)):
-            if given is None and not draws:
-                text = f"has no angles and needs [{key}] too; add [{key}], or give moon.zenith_deg, moon.azimuth_deg and moon.phase_deg"
-                raise rule("moon", text)
+        if (self.time is None or self.place is None) and not draws:
+            text = "has no angles and needs [time] and [place]; give both, or zenith_deg, azimuth_deg and phase_deg in [moon]"
+            raise rule("moon", text)
         return self
 
     @model_validator(mode="after")

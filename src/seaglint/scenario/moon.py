@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from datetime import timedelta
 
 from seaglint.base.errors import ScenarioError
-from seaglint.climate.moon_position import MoonEphemeris, bright_limb
-from seaglint.optics.moonlight import MEAN_MOON_DISTANCE, moon_radius
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SUN_STEP_TIME, sun_position
 
@@ -28,6 +26,8 @@ class MoonPosition:
     @property
     def radius(self) -> float:
         """Angular radius of the disc [rad]."""
+        from seaglint.optics.moonlight import moon_radius
+
         return moon_radius(self.distance_m)
 
     @property
@@ -39,7 +39,7 @@ class MoonPosition:
 def moon_position(scenario: Scenario, step: int = 0) -> MoonPosition | None:
     """Return the Moon at the scenario's first frame, or at the beginning of a later step (``sun_step``); None without ``[moon]``.
 
-    From date and place it is apparent and topocentric, by Meeus' series (:mod:`seaglint.climate.moon_position`), with the refraction of
+    From date and place it is apparent and topocentric, by Meeus' series (``seaglint.climate.moon_position``), with the refraction of
     ``sun_position``. Over a sequence it stays for ``SUN_STEP_TIME`` at a time, as the Sun does.
 
     Examples
@@ -53,6 +53,10 @@ def moon_position(scenario: Scenario, step: int = 0) -> MoonPosition | None:
     table = scenario.moon
     if table is None:
         return None
+    # Imported here, because scenarios are read without NumPy.
+    from seaglint.climate.moon_position import MoonEphemeris, bright_limb
+    from seaglint.optics.moonlight import MEAN_MOON_DISTANCE
+
     if table.zenith_deg is not None and table.azimuth_deg is not None and table.phase_deg is not None:
         zenith, azimuth, phase = (math.radians(angle) for angle in (table.zenith_deg, table.azimuth_deg, table.phase_deg))
         distance = MEAN_MOON_DISTANCE if table.distance_km is None else 1000.0 * table.distance_km

@@ -1,7 +1,7 @@
 """Tables of the view: Sun, Moon, platform, band, and the computation of mean maps and images.
 
-``[time]``, ``[place]`` and ``[sun]`` give the Sun's position, these or ``[moon]`` the Moon's, ``[platform]`` the motion of the sensor, ``[band]`` the spectral band,
-``[mean]`` the method of the mean radiance, and ``[render]`` accuracy, cost and written arrays of the image.
+``[time]``, ``[place]`` and ``[sun]`` give the Sun's position, ``[moon]`` the Moon's, ``[platform]`` the motion of the sensor, ``[band]``
+the spectral band, ``[mean]`` the method of the mean radiance, and ``[render]`` accuracy, cost and written arrays of the image.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Moon(Record):
 
     @property
     def given(self) -> bool:
-        """Whether the angles are given, instead of date and place."""
+        """Return true where the angles are given, instead of date and place."""
         return self.zenith_deg is not None
 
     @model_validator(mode="after")
@@ -65,8 +65,9 @@ class Moon(Record):
         angles = {"zenith_deg": self.zenith_deg, "azimuth_deg": self.azimuth_deg, "phase_deg": self.phase_deg}
         missing = [name for name, angle in angles.items() if angle is None]
         if 0 < len(missing) < len(angles):
-            here = " and ".join(name for name in angles if name not in missing)
-            text = f"is missing beside {here}; give zenith_deg, azimuth_deg and phase_deg, or none of them with [time] and [place]"
+            given = [name for name in angles if name not in missing]
+            here = f"{' and '.join(given)} {'is' if len(given) == 1 else 'are'} given"
+            text = f"is missing, but {here}; give zenith_deg, azimuth_deg and phase_deg, or none of them with [time] and [place]"
             raise rule(f"moon.{missing[0]}", text)
         if missing and self.distance_km is not None:
             text = f"= {self.distance_km:g} is given without angles; leave it out, or give zenith_deg, azimuth_deg and phase_deg"
