@@ -109,7 +109,7 @@ class SweptScene:
         fine, names = accuracy or Accuracy(), require_layers(layers)
         view, second = view.lights
         lights = [view] if second is None else [view, second]
-        # the accuracy of the Sun's picture, so that it is equal with and without a Moon; the Moon's where the Sun gives scattered light alone
+        # the accuracy of the Sun's picture, so that it is equal with and without a Moon; the Moon's under scattered sunlight alone
         leading = view if second is None or view.irradiance.any() else second
         if camera.height != view.sensor_height:
             raise DomainError(
