@@ -13,7 +13,6 @@ import pytest
 from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.lowtran_table import BatchAtmosphere
 from seaglint.air.protocol import require_height, require_range, wavenumber_grid
-from seaglint.air.vacuum import exoatmospheric_irradiance
 from seaglint.base.conventions import horizon_depression
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.facet.emissivity import emissivity
@@ -24,6 +23,7 @@ from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import hale_querry_sea
+from seaglint.optics.solar_spectrum import exoatmospheric_irradiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic

@@ -45,7 +45,7 @@ ACROSS = 4
 """Small pictures in a row."""
 
 SCENARIO_TABLES = (
-    *("time", "place", "sun", "sensor", "platform", "band", "wind", "sea"),
+    *("time", "place", "sun", "moon", "sensor", "platform", "band", "wind", "sea"),
     *("atmosphere", "mean", "render", "objects", "likelihood"),
 )
 """Tables of the scenario file, which have a page each."""

@@ -5,10 +5,11 @@ import pytest
 
 from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.protocol import Atmosphere, slant_range, wavenumber_grid
-from seaglint.air.vacuum import VacuumAtmosphere, exoatmospheric_irradiance
+from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.optics.solar_spectrum import exoatmospheric_irradiance
 
 ROUNDING = 1e-12
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from seaglint.air.protocol import Atmosphere
-from seaglint.air.vacuum import exoatmospheric_irradiance
 from seaglint.base.conventions import horizon_depression, horizon_range
 from seaglint.base.errors import DomainError
 from seaglint.formats.lowtran.deck import MODELS
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.optics.solar_spectrum import exoatmospheric_irradiance
 from seaglint.studies.build.profile_air import model_air
 
 # Temperatures of the model atmospheres at 0 and 1 km [K], AFGL-TR-86-0110 Table 1; the subarctic winter lies under an inversion.

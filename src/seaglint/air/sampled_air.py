@@ -17,10 +17,10 @@ from scipy.interpolate import CubicSpline
 from seaglint.air.coordinates import decode_optical_depth, elevation_coordinate, encode_optical_depth, heights_along, path_coordinate
 from seaglint.air.protocol import ANGLE_SLACK, ClearAir, ScatteredSamples, require_line, require_range, require_solar_zenith, slant_range
 from seaglint.air.sun_and_sky import Sky, SkySamples, brightness_temperature, radiance_of
-from seaglint.air.vacuum import exoatmospheric_irradiance
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.free_form import JsonObject
+from seaglint.optics.solar_spectrum import exoatmospheric_irradiance
 
 if TYPE_CHECKING:
     from seaglint.air.scattering.scattering_laws import ScatteringAir

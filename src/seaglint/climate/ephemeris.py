@@ -22,12 +22,12 @@ STANDARD_PRESSURE: Final = 1013.25
 STANDARD_TEMPERATURE: Final = 12.0  #: Default air for refraction [hPa], [degC]: pvlib's standard atmosphere at the sea.
 
 _STEP: Final = 21_600.0
-_DELTA_T: Final = 67.0  #: Terrestrial minus universal time [s]; 10 s more move the Sun by 1e-4 deg.
+DELTA_T: Final = 67.0  #: Terrestrial minus universal time [s]; 10 s more move the Sun by 1e-4 deg.
 
-_RISE: Final = 0.5667  #: Refraction at the horizon of the algorithm [deg]; a Sun lower by it and the disc's radius is not refracted.
+RISE: Final = 0.5667  #: Refraction at the horizon of the algorithm [deg]; a Sun lower by it and the disc's radius is not refracted.
 
-_FLATTENING: Final = 0.99664719
-_EQUATOR: Final = 6_378_140.0
+FLATTENING: Final = 0.99664719  #: Polar over equatorial radius of the Earth [1].
+EQUATOR: Final = 6_378_140.0  #: Equatorial radius of the Earth [m].
 
 
 class SunPositions(NamedTuple):
@@ -49,20 +49,8 @@ class Ephemeris:
     @classmethod
     def between(cls, first: float, last: float) -> Ephemeris:
         """Ephemeris for the seconds since 1970-01-01 UTC from ``first`` to ``last``."""
-        # Imported here, as pvlib imports pandas, which takes half a second.
-        from pvlib import spa
-
-        # Two steps more at the beginning and the end: a cubic needs a node on either side of its interval.
-        start = first - 2.0 * _STEP
-        times = start + _STEP * np.arange(math.ceil((last - start) / _STEP) + 3, dtype=np.float64)
-        place = (0.0, 0.0, 0.0, STANDARD_PRESSURE, STANDARD_TEMPERATURE, _DELTA_T, _RISE, 1)
-        sidereal, ascension, declination = spa.solar_position(times, *place, sst=True)
-        distance = spa.solar_position(times, *place, esd=True)[0]
-        nutation = sidereal - spa.mean_sidereal_time(spa.julian_day(times), spa.julian_century(spa.julian_day(times)))
-        # The difference of two angles in [0, 360) may be off by a turn.
-        nutation = (nutation + 180.0) % 360.0 - 180.0
-        columns = [np.unwrap(np.radians(ascension)), np.radians(declination), distance, np.radians(nutation)]
-        return cls(float(first), float(last), np.ascontiguousarray(np.stack(columns, axis=1)))
+        times = ephemeris_steps(first, last)
+        return cls(float(first), float(last), geocentric_sun(times))
 
     @classmethod
     def of_year(cls, year: int) -> Ephemeris:
@@ -119,6 +107,31 @@ class Ephemeris:
         return SunPositions(out[0], out[1], out[2])
 
 
+def ephemeris_steps(first: float, last: float) -> FloatArray:
+    """Times of an ephemeris from ``first`` to ``last``, every six hours, since 1970-01-01 UTC [s, (steps,)]."""
+    # Two steps more at the beginning and the end: a cubic needs a node on either side of its interval.
+    start = first - 2.0 * _STEP
+    return start + _STEP * np.arange(math.ceil((last - start) / _STEP) + 3, dtype=np.float64)
+
+
+def geocentric_sun(times: FloatArray) -> FloatArray:
+    """Apparent right ascension and declination of the Sun [rad], distance [au], equation of the equinoxes [rad] [(steps, 4)].
+
+    ``times`` are seconds since 1970-01-01 UTC; right ascensions are continuous from one to the next.
+    """
+    # Imported here, as pvlib imports pandas, which takes half a second.
+    from pvlib import spa
+
+    place = (0.0, 0.0, 0.0, STANDARD_PRESSURE, STANDARD_TEMPERATURE, DELTA_T, RISE, 1)
+    sidereal, ascension, declination = spa.solar_position(times, *place, sst=True)
+    distance = spa.solar_position(times, *place, esd=True)[0]
+    nutation = sidereal - spa.mean_sidereal_time(spa.julian_day(times), spa.julian_century(spa.julian_day(times)))
+    # The difference of two angles in [0, 360) may be off by a turn.
+    nutation = (nutation + 180.0) % 360.0 - 180.0
+    columns = [np.unwrap(np.radians(ascension)), np.radians(declination), distance, np.radians(nutation)]
+    return np.ascontiguousarray(np.stack(columns, axis=1))
+
+
 def year_span(year: int) -> tuple[float, float]:
     """First and last second of a calendar year since 1970-01-01 UTC [s]; the last is the first of the next year."""
     first, last = (datetime(y, 1, 1, tzinfo=UTC).timestamp() for y in (year, year + 1))
@@ -158,9 +171,9 @@ def _fill(
         hour = sidereal * radian + nutation + longitude[n] * radian - ascension
         # parallax: the place is not the Earth's centre
         lat = latitude[n] * radian
-        reduced = math.atan(_FLATTENING * math.tan(lat))
-        across = math.cos(reduced) + air[1] / _EQUATOR * math.cos(lat)
-        along = _FLATTENING * math.sin(reduced) + air[1] / _EQUATOR * math.sin(lat)
+        reduced = math.atan(FLATTENING * math.tan(lat))
+        across = math.cos(reduced) + air[1] / EQUATOR * math.cos(lat)
+        along = FLATTENING * math.sin(reduced) + air[1] / EQUATOR * math.sin(lat)
         shift = math.sin(8.794 / 3600.0 / distance * radian)
         turn = math.atan2(-across * shift * math.sin(hour), math.cos(declination) - across * shift * math.cos(hour))
         seen = math.atan2((math.sin(declination) - along * shift) * math.cos(turn), math.cos(declination) - across * shift * math.cos(hour))
@@ -168,7 +181,7 @@ def _fill(
         sine = math.sin(lat) * math.sin(seen) + math.cos(lat) * math.cos(seen) * math.cos(hour)
         elevation = math.asin(min(max(sine, -1.0), 1.0)) / radian
         # Refraction by the algorithm's formula, in degrees; its argument is the true elevation.
-        if elevation >= -(0.26667 + _RISE):
+        if elevation >= -(0.26667 + RISE):
             elevation += air[0] * 1.02 / (60.0 * math.tan((elevation + 10.3 / (elevation + 5.11)) * radian))
         out[0, n] = (90.0 - elevation) * radian
         south = math.atan2(math.sin(hour), math.cos(hour) * math.sin(lat) - math.tan(seen) * math.cos(lat))

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import in_threads, njit
 from seaglint.climate.glint_radiance import DUSK, SeaState, Way, WindSlopes, direction, sea_at
@@ -146,7 +146,7 @@ def _fill(
         gamma = elevation_kernel(row[3], row[8])
         if gamma < 0.0 or row[4] > 0.5 * math.pi + DUSK:
             continue
-        aim_disc(points, row[4], row[5])
+        aim_disc(points, row[4], row[5], SOLAR_ANGULAR_RADIUS)
         scale, _, last = view_range_kernel(row[3], plan.depression[0], plan.depression[1])
         start = view_range_kernel(row[3], light.lowest, plan.depression[1])[1]
         way = Way(
@@ -157,7 +157,7 @@ def _fill(
             weights,
         )
         arc = EFFECTIVE_EARTH_RADIUS * max(row[8] - gamma, 0.0)
-        beam = _Beam(gamma, arc, sea_at(sea, row, coefficients), SunDisc(points, rule, 0.0, 1.0, np.empty(0)), way)
+        beam = _Beam(gamma, arc, sea_at(sea, row, coefficients), SunDisc(points, rule, 0.0, 1.0, np.empty(0), SOLAR_ANGULAR_RADIUS), way)
         seen[:] = math.log(_LEAST)
         for i in range(plan.start, nodes.size):
             seen[i] = _logarithm(row, nodes[i], light, sea, beam)

@@ -330,8 +330,8 @@ def _fill(
         out[n, 3] = -1.0
         if row[4] > 0.5 * math.pi + DUSK:
             continue
-        aim_disc(points, row[4], row[5])
-        disc = SunDisc(points, rule, 0.0, 1.0, np.empty(0))
+        aim_disc(points, row[4], row[5], SOLAR_ANGULAR_RADIUS)
+        disc = SunDisc(points, rule, 0.0, 1.0, np.empty(0), SOLAR_ANGULAR_RADIUS)
         state = sea_at(sea, row, coefficients)
         wind = place_in_pieces(row[1], light.winds[int(row[0])], light.pieces[int(row[0])], weights[0])
         height = place_in_pieces(levels[n], light.heights, light.height_pieces, weights[1])

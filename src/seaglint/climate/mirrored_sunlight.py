@@ -70,6 +70,7 @@ def mirrored_light(
     *,
     kinks: Sequence[Sequence[float]] = (),
     article: bool = False,
+    ratios: Sequence[FloatArray | None] = (None,),
 ) -> MirroredLight:
     """Tabulate the light of the model atmospheres.
 
@@ -94,6 +95,9 @@ def mirrored_light(
         smoothly. No cubic is laid across them. Models may have different numbers of them.
     article : bool
         Multiply band means, as the source article does, instead of integrating their product per wavenumber.
+    ratios : sequence of ndarray or None
+        Other lights over sunlight above the air on the samples of the band [1, (n,)] (``BandSum``); None is sunlight. Model atmospheres
+        are numbered with all lights of the first, then of the second, and so on.
 
     Raises
     ------
@@ -104,22 +108,26 @@ def mirrored_light(
     levels, layers = _levels(heights)
     coarse, few_levels = _some(nodes.shape[1] if winds is not None else 1, _COARSE[0]), _some(levels.size, _COARSE[1])
     suns, few_suns = _sun_zeniths(_SUNS), _sun_zeniths(_COARSE[3])
-    values = np.empty((len(models), nodes.shape[1], levels.size, _VIEWS, _SUNS))
-    shapes = np.empty((len(models), coarse.size, few_levels.size, _COARSE[2], few_suns.size, _TERMS))
+    lights = len(ratios)
+    values = np.empty((lights * len(models), nodes.shape[1], levels.size, _VIEWS, _SUNS))
+    shapes = np.empty((lights * len(models), coarse.size, few_levels.size, _COARSE[2], few_suns.size, _TERMS))
     metres, covered = _heights_of(levels), (depression[0] if levels.size == 1 else 0.0, depression[1])
     for m, model in enumerate(models):
         for w, wind in enumerate(nodes[m] if winds is not None else nodes[m, :1]):
             sums = _Sums.of(air_at(model, float(wind)), band, water, article)
             for h, level in enumerate(metres.tolist()):
                 gamma = view_elevations(level, covered, np.linspace(0.0, 1.0, _VIEWS))
-                values[m, w, h] = np.log(np.maximum(sums.whole(level, gamma, suns), _LEAST))
+                for k, whole in enumerate(sums.whole(level, gamma, suns, ratios)):
+                    values[lights * m + k, w, h] = np.log(np.maximum(whole, _LEAST))
                 if w in coarse and h in few_levels:
                     gamma = view_elevations(level, covered, np.linspace(0.0, 1.0, _COARSE[2]))
                     at = np.flatnonzero(coarse == w)[0], np.flatnonzero(few_levels == h)[0]
-                    shapes[m, at[0], at[1]] = sums.reflectance(level, gamma, few_suns)
-        if winds is None:
-            # The cubic in the wind needs four nodes: without wind they are equal.
-            values[m, 1:] = values[m, :1]
+                    for k, mean in enumerate(sums.reflectance(level, gamma, few_suns, ratios)):
+                        shapes[lights * m + k, at[0], at[1]] = mean
+    if winds is None:
+        # The cubic in the wind needs four nodes: without wind they are equal.
+        values[:, 1:] = values[:, :1]
+    nodes, pieces = (np.repeat(of_models, lights, axis=0) for of_models in (nodes, pieces))
     if winds is None:
         coarse, shapes = np.array([0, nodes.shape[1] - 1]), np.repeat(shapes, 2, axis=1)
     few_heights = levels[few_levels]
@@ -164,23 +172,31 @@ class _Sums(NamedTuple):
         seen = self.air.transmittance(height, sea_arc(height, gamma))[..., self.over.grid] * self.over.weights
         return seen, self.air.solar_irradiance(zenith)[..., self.over.grid]
 
-    def whole(self, height: float, gamma: FloatArray, zenith: FloatArray) -> FloatArray:
-        """Radiance at reflectance 1 [W m-2 sr-1, (views, Suns)]."""
+    def whole(self, height: float, gamma: FloatArray, zenith: FloatArray, ratios: Sequence[FloatArray | None]) -> list[FloatArray]:
+        """Radiance at reflectance 1 of every light [W m-2 sr-1, (views, Suns)]."""
         if self.article:
             fit = ArticleAtmosphere.fit(self.air, self.band, height, 288.15)
             slant = slant_range(height, sea_arc(height, gamma))
-            return np.outer(fit.transmittance(slant), fit.sun(zenith)) / (np.pi * SOLAR_ANGULAR_RADIUS**2)
+            return [np.outer(fit.transmittance(slant), fit.sun(zenith)) / (np.pi * SOLAR_ANGULAR_RADIUS**2)]
         seen, light = self.parts(height, gamma, zenith)
-        return np.asarray(seen @ light.T) / (np.pi * SOLAR_ANGULAR_RADIUS**2)
+        return [np.asarray(seen @ each.T) / (np.pi * SOLAR_ANGULAR_RADIUS**2) for each in _lights(light, ratios)]
 
-    def reflectance(self, height: float, gamma: FloatArray, zenith: FloatArray) -> FloatArray:
-        """Mean reflectance as a series [(views, Suns, terms)]."""
+    def reflectance(self, height: float, gamma: FloatArray, zenith: FloatArray, ratios: Sequence[FloatArray | None]) -> list[FloatArray]:
+        """Mean reflectance of every light as a series [(views, Suns, terms)]."""
         if self.article:
             mean = self.series @ wavelength_mean(self.over.weights, self.over.wavenumber_cm)
-            return np.broadcast_to(mean, (gamma.size, zenith.size, mean.size))
+            return [np.broadcast_to(mean, (gamma.size, zenith.size, mean.size))]
         seen, light = self.parts(height, gamma, zenith)
-        sums = np.einsum("vn,sn,jn->vsj", seen, light, self.series, optimize=True)
-        return np.asarray(sums / np.maximum(seen @ light.T, _LEAST)[..., None])
+        means = []
+        for each in _lights(light, ratios):
+            sums = np.einsum("vn,sn,jn->vsj", seen, each, self.series, optimize=True)
+            means.append(np.asarray(sums / np.maximum(seen @ each.T, _LEAST)[..., None]))
+        return means
+
+
+def _lights(sunlight: FloatArray, ratios: Sequence[FloatArray | None]) -> list[FloatArray]:
+    """Return sunlight (Suns, n) as the light of every ratio."""
+    return [sunlight if ratio is None else sunlight * ratio for ratio in ratios]
 
 
 def _wind_nodes(winds: tuple[float, float] | None, kinks: Sequence[Sequence[float]]) -> tuple[FloatArray, FloatArray]:

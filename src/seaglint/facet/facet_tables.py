@@ -85,7 +85,7 @@ def sun_terms(basis: PathBasis, irradiance: FloatArray, water: WaterIndex) -> Fl
 def sun_of(view: SeaView, basis: PathBasis) -> tuple[Sunlight, FloatArray]:
     """Direction of the Sun's centre at the sensor's foot, and band terms of the whole disc's reflection [W m-2] (``sun_terms``)."""
     shining = bool(view.irradiance.max() > 0.0)
-    return sunlight(view.solar_zenith, view.solar_azimuth, shining), sun_terms(basis, view.irradiance, view.water)
+    return sunlight(view.solar_zenith, view.solar_azimuth, shining, view.disc.lit_radius), sun_terms(basis, view.irradiance, view.water)
 
 
 def facet_tables(

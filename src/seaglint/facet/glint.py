@@ -76,6 +76,7 @@ class SunDisc(NamedTuple):
     first: float  #: First sine of elevation, steps and values of a ``SunTable``; an array, no nested tuple.
     per_step: float
     strength: FloatArray
+    radius: float  #: Angular radius [rad].
 
 
 class SunPlace(NamedTuple):
@@ -91,25 +92,25 @@ class SunPlace(NamedTuple):
     middle: tuple[float, float, float]
 
 
-def sun_disc(solar_zenith: float, solar_azimuth: float, sunlight: SunTable) -> SunDisc:
+def sun_disc(solar_zenith: float, solar_azimuth: float, sunlight: SunTable, radius: float = SOLAR_ANGULAR_RADIUS) -> SunDisc:
     """Return the constants of a Sun."""
     points = np.empty((_HEX_W.size, 4))
-    aim_disc(points, float(solar_zenith), float(solar_azimuth))
-    return SunDisc(points, np.stack([_GAUSS_X, _GAUSS_W]), *sunlight)
+    aim_disc(points, float(solar_zenith), float(solar_azimuth), float(radius))
+    return SunDisc(points, np.stack([_GAUSS_X, _GAUSS_W]), *sunlight, float(radius))
 
 
 @njit
-def aim_disc(points: FloatArray, solar_zenith: float, solar_azimuth: float) -> None:
+def aim_disc(points: FloatArray, solar_zenith: float, solar_azimuth: float, radius: float) -> None:
     """Fill ``SunDisc.points`` of a Sun [(7, 4)]."""
     sz, cz, sa, ca = math.sin(solar_zenith), math.cos(solar_zenith), math.sin(solar_azimuth), math.cos(solar_azimuth)
     for i in range(points.shape[0]):
-        x, y = SOLAR_ANGULAR_RADIUS * _HEX_X[i], SOLAR_ANGULAR_RADIUS * _HEX_Y[i]
+        x, y = radius * _HEX_X[i], radius * _HEX_Y[i]
         norm = 1.0 / math.sqrt(1.0 + x * x + y * y)
         points[i, 0] = norm * (sz * sa + x * ca - y * cz * sa)
         points[i, 1] = norm * (sz * ca - x * sa - y * cz * ca)
         points[i, 2] = norm * (cz + y * sz)
         # norm^3: solid angle of the tangent plane, so that a calm sea's whole density adds up to 1 and no more.
-        points[i, 3] = math.pi * SOLAR_ANGULAR_RADIUS**2 * _HEX_W[i] * norm**3
+        points[i, 3] = math.pi * radius**2 * _HEX_W[i] * norm**3
 
 
 @kernel
@@ -164,7 +165,7 @@ def _narrow(east: float, north: float, up: float, lean: tuple[float, float], dis
     Along a line of the disc parallel to the horizon the mirroring slope moves in proportion to the distance, towards one azimuth, so the
     window of a Gaussian density on that line is exact, however grazing the light.
     """
-    radius = SOLAR_ANGULAR_RADIUS
+    radius = disc.radius
     east_sun, north_sun, cz = place.centre
     sz = math.sqrt(east_sun * east_sun + north_sun * north_sun)
     # at the zenith any azimuth serves
@@ -230,7 +231,7 @@ def chance_kernel(
     # Image of the Sun's radius in slopes, its long half axis: eps/(2 cos w), over the square of the facet's upward cosine.
     rise = max(cosine + sun[2], 1e-12)
     upward = rise / (2.0 * cos_incidence)
-    image = SOLAR_ANGULAR_RADIUS / (2.0 * cos_incidence * upward**2)
+    image = disc.radius / (2.0 * cos_incidence * upward**2)
     slope = math.sqrt(max(1.0 / upward**2 - 1.0, 0.0))
     least, most = min(sea.deviation_up, sea.deviation_cross), max(sea.deviation_up, sea.deviation_cross)
     if place.share == 0.0 or slope - 2.0 * image >= _NEGLIGIBLE * most:
@@ -303,9 +304,15 @@ class GlintModel:
 
     @classmethod
     def prepare(
-        cls, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing = NESTED, sunlight: SunTable = STEADY
+        cls,
+        solar_zenith: float,
+        solar_azimuth: float,
+        slopes: SlopeStatistics,
+        shadowing: Shadowing = NESTED,
+        sunlight: SunTable = STEADY,
+        radius: float = SOLAR_ANGULAR_RADIUS,
     ) -> GlintModel:
-        """Prepare the constants of one Sun and one sea.
+        """Prepare the constants of one Sun, or of a disc of another angular radius [rad], and one sea.
 
         The results of :meth:`grid` are weighted with ``sunlight``; other parameters and errors as in :func:`glint`.
         """
@@ -319,7 +326,7 @@ class GlintModel:
         numbers = FacetDensity(sea.mss_up, sea.mss_cross, up, cross, peak, s, c, sea.is_gaussian, np.array(sea.coefficients))
         settled = shadowing.settled(sea, solar_azimuth)
         legs = legs_of(settled, sea, centroid, solar_azimuth, shining=solar_zenith < 0.5 * math.pi + _DUSK)
-        return cls(sea, settled, numbers, sun_disc(solar_zenith, solar_azimuth, sunlight), legs)
+        return cls(sea, settled, numbers, sun_disc(solar_zenith, solar_azimuth, sunlight, radius), legs)
 
     def grid(
         self, view_zenith: FloatArray, view_azimuth: FloatArray, turn: FloatArray, terms: FloatArray
@@ -370,6 +377,7 @@ def glint(
     slopes: SlopeStatistics,
     shadowing: Shadowing = NESTED,
     turn: ArrayLike = 0.0,
+    radius: float = SOLAR_ANGULAR_RADIUS,
 ) -> GlintGeometry:
     """Share of the viewed sea that mirrors the Sun to the viewer, and the cosine of incidence there.
 
@@ -388,6 +396,8 @@ def glint(
     turn : array_like
         Turn of the vertical between the sensor's foot, where the Sun's angles hold, and the place [rad], broadcast;
         ``turn_at`` computes it from an arc. With 0 the Sun's angles hold at the place itself.
+    radius : float
+        Angular radius of the disc [rad].
 
     Returns
     -------
@@ -416,7 +426,7 @@ def glint(
         raise DomainError("view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor")
     shape = np.broadcast_shapes(theta.shape, azimuth.shape, psi.shape)
     views = [np.array(np.broadcast_to(a, shape), order="C").ravel() for a in (theta, azimuth, psi)]
-    evaluated = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing).at(*views)
+    evaluated = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing, radius=radius).at(*views)
     return GlintGeometry(evaluated.chance.reshape(shape), evaluated.cos_incidence.reshape(shape))
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, Literal
 
@@ -11,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from seaglint.air.protocol import Atmosphere
 from seaglint.air.scattering.scattered_tables import SampledLight, ScatteredLight, scattered_in
+from seaglint.air.unlit import UnlitAtmosphere
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_range
 from seaglint.base.errors import DomainError
@@ -57,6 +60,86 @@ class BandSum:
         return np.asarray(np.asarray(spectra)[..., self.grid] @ self.weights)
 
 
+#: Temperature of a sea whose emission is 0 in any band [K]; Planck's law stays finite there.
+_COLD: Final = 10.0
+
+
+_THIN: Final = 1e-4  #: Least lit share of a disc of which glint is computed [1].
+
+
+@dataclass(frozen=True)
+class Disc:
+    """Disc of a light in the sky: the Sun's, or the Moon's with its lit part.
+
+    The lit part lies between the limb and the terminator, half an ellipse, and has one radiance. Glint is that of a disc with the same
+    solid angle about the middle of the lit part: a rough sea does not show its shape.
+    """
+
+    radius: float  #: Angular radius [rad].
+    #: Irradiance above the air over the Sun's at 1 au, of wavenumbers [cm-1, (n,)]; None for the Sun.
+    ratio: Callable[[FloatArray], FloatArray] | None = None
+    phase: float = 0.0  #: Angle between the directions from the disc's body to the Sun and to the viewer [rad]; 0 is a full disc.
+    bright_limb: float = 0.0  #: Direction of the middle of the bright limb, from upwards clockwise as seen [rad].
+    #: Zenith angle and azimuth of the disc's centre [rad] where they differ from the light's; None where they do not.
+    centre: tuple[float, float] | None = None
+
+    @property
+    def lit(self) -> float:
+        """Share of the disc that is lit [1].
+
+        >>> Disc(4.5e-3, phase=0.5 * math.pi).lit
+        0.5
+        """
+        # rounded: the cosine of a right angle is 6e-17
+        return round(0.5 * (1.0 + math.cos(self.phase)), 15)
+
+    @property
+    def solid_angle(self) -> float:
+        """Solid angle of the lit part [sr]."""
+        return math.pi * self.radius**2 * self.lit
+
+    @property
+    def lit_radius(self) -> float:
+        """Radius of a disc with the solid angle of the lit part, with which glint is computed [rad]."""
+        return self.radius * math.sqrt(max(self.lit, _THIN))
+
+
+SUN_DISC: Final = Disc(SOLAR_ANGULAR_RADIUS)  #: The Sun's disc.
+
+
+@dataclass(frozen=True)
+class Moonlight:
+    """Moon over a sea, at the sensor's foot."""
+
+    zenith: float  #: Zenith angle of the disc's centre, apparent [rad].
+    azimuth: float  #: Azimuth of the disc's centre, clockwise from north [rad].
+    disc: Disc  #: Radius, lit part and light.
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Zenith angle and azimuth of the middle of the lit part [rad]."""
+        disc = self.disc
+        zenith, azimuth = lit_middle(self.zenith, self.azimuth, disc.radius, disc.phase, disc.bright_limb)
+        return float(zenith), float(azimuth)
+
+
+def lit_middle(
+    zenith: ArrayLike, azimuth: ArrayLike, radius: ArrayLike, phase: ArrayLike, bright_limb: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Zenith angle and azimuth of the middle of a disc's lit part, ``4 (1 - cos(phase)) / (3 pi)`` radii from its centre [rad].
+
+    >>> zenith, azimuth = lit_middle(1.0, 0.5, 4.5e-3, 0.5 * math.pi, 0.0)
+    >>> round(float(1.0 - zenith), 5), float(azimuth)
+    (0.00191, 0.5)
+    """
+    shift = np.asarray(radius) * 4.0 / (3.0 * np.pi) * (1.0 - np.cos(phase))
+    up, aside = shift * np.cos(bright_limb), shift * np.sin(bright_limb)
+    sine, cosine = np.sin(zenith), np.cos(zenith)
+    # the direction in the vertical plane of the centre: towards it, across to the right, and up
+    towards, height = sine - up * cosine, cosine + up * sine
+    return np.asarray(np.arctan2(np.hypot(towards, aside), height)), np.asarray(azimuth + np.arctan2(aside, towards))
+
+
 @dataclass(frozen=True, eq=False)
 class SeaView:
     """Sensor, sea, air, Sun and band of a view, without its directions."""
@@ -79,6 +162,8 @@ class SeaView:
     scattering: bool = True  #: Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
     #: Mean share of foam, for means; images have the share of each place. It does not count over a sea that is a blackbody.
     foam: FoamCover | None = None
+    disc: Disc = SUN_DISC  #: Disc of the light with the Sun's angles here: the Sun's, or the Moon's in a view of ``lights``.
+    moon: Moonlight | None = None  #: The Moon beside the Sun; None without one.
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sensor_height) and self.sensor_height > 0.0):
@@ -102,6 +187,31 @@ class SeaView:
                 value=self.solar_zenith,
                 allowed=(0.0, np.pi),
             )
+
+    @cached_property
+    def lights(self) -> tuple[SeaView, SeaView | None]:
+        """View with one light, and the second light's over a sea and air that emit nothing; None where one light is enough.
+
+        The Sun is the first light and the Moon the second, whose mirrored light and disc are added to it. If the Sun gives no light, direct
+        or scattered, to any place in view, the Moon is the only light; a Moon below the horizon of all places gives none.
+        """
+        if self.moon is None:
+            return self, None
+        sun = replace(self, moon=None)
+        zenith, azimuth = self.moon.middle
+        disc = replace(self.moon.disc, centre=(self.moon.zenith, self.moon.azimuth))
+        moon = replace(sun, solar_zenith=zenith, solar_azimuth=azimuth, sun_distance_factor=1.0, scattering=False, disc=disc)
+        try:
+            up = moon.irradiance.any()
+        except DomainError as refused:
+            if refused.name != "solar_zenith":
+                raise
+            raise DomainError(f"the Moon: {refused}", name="moon.zenith_deg", value=refused.value, allowed=refused.allowed) from refused
+        if not up:
+            return sun, None
+        if not sun.irradiance.any() and sun.scattered.is_dark:
+            return moon, None
+        return sun, replace(moon, atmosphere=UnlitAtmosphere(self.atmosphere), sea_temperature=_COLD)
 
     @cached_property
     def hiding(self) -> Shadowing:
@@ -134,7 +244,7 @@ class SeaView:
         if not self.irradiance.any():
             return float("inf")
         slopes = np.sqrt(min(self.slopes.mss_up, self.slopes.mss_cross))
-        return float(np.hypot(slopes * max(np.cos(self.solar_zenith), 0.0), 0.5 * SOLAR_ANGULAR_RADIUS))
+        return float(np.hypot(slopes * max(np.cos(self.solar_zenith), 0.0), 0.5 * self.disc.lit_radius))
 
     @cached_property
     def irradiance(self) -> FloatArray:
@@ -177,7 +287,12 @@ class SeaView:
 
     def _irradiance(self, zenith: FloatArray) -> FloatArray:
         """Spectral irradiance for zenith angles of the Sun [W m-2 per cm-1, (angles, n)]."""
-        return np.asarray(self.sun_distance_factor * self.atmosphere.solar_irradiance(zenith)[..., self.in_band.grid])
+        return self.above_air(self.atmosphere.solar_irradiance(zenith)[..., self.in_band.grid])
+
+    def above_air(self, sunlight: FloatArray) -> FloatArray:
+        """Return the light of this view's disc from sunlight at 1 au on the band's samples [(..., n)]."""
+        light = self.sun_distance_factor * sunlight
+        return np.asarray(light if self.disc.ratio is None else light * self.disc.ratio(self.in_band.wavenumber_cm))
 
 
 def sea_arc(height: float | FloatArray, gamma: FloatArray) -> FloatArray:

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.roughness import Roughness, Sight
 from seaglint.facet.sunlight import Sunlight
@@ -143,7 +142,7 @@ def disc_in_slopes(sun: Sunlight, mz: float, se: float, sn: float) -> tuple[floa
     direction.
     """
     # eps^2/4 is the variance of a uniform disc of radius eps along any direction
-    scale = 0.25 * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS / (mz * mz)
+    scale = 0.25 * sun.radius * sun.radius / (mz * mz)
     along_e, along_n = sun.t_east + se * sun.t_up, sun.t_north + sn * sun.t_up
     ee = scale * (sun.c_east * sun.c_east + along_e * along_e)
     en = scale * (sun.c_east * sun.c_north + along_e * along_n)
@@ -183,6 +182,6 @@ def mirror_factor(sun: Sunlight, ve: float, vn: float, vz: float, slope_east: fl
     ne, nn, nz = -slope_east * norm, -slope_north * norm, norm
     twice = 2.0 * (ve * ne + vn * nn + vz * nz)
     re, rn, rz = twice * ne - ve - sun.east, twice * nn - vn - sun.north, twice * nz - vz - sun.up
-    if re * re + rn * rn + rz * rz > SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS:
+    if re * re + rn * rn + rz * rz > sun.radius * sun.radius:
         return 0.0
-    return 1.0 / (math.pi * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS)
+    return 1.0 / (math.pi * sun.radius * sun.radius)

@@ -107,7 +107,8 @@ class Sunlight(NamedTuple):
     """Sun as kernels read it: directions, limbs and visible share.
 
     The fields are the unit vector to it, the tangent ``t_*`` in its vertical plane and the horizontal one ``c_*``, the horizontal unit
-    vector towards it, the tangents of its limbs' elevations, and the share of its disc above the horizon.
+    vector towards it, the tangents of its limbs' elevations, the share of its disc above the horizon, and the radius of the disc [rad]; the
+    horizon and waves cut it as the Sun's.
     """
 
     shining: bool
@@ -125,13 +126,14 @@ class Sunlight(NamedTuple):
     lower_tangent: float
     upper_tangent: float
     share: float
+    radius: float
 
 
-def sunlight(zenith: float, azimuth: float, shining: bool) -> Sunlight:
+def sunlight(zenith: float, azimuth: float, shining: bool, radius: float = SOLAR_ANGULAR_RADIUS) -> Sunlight:
     """Direction to a whole Sun, the tangents to it, in its vertical plane and horizontal, and its limbs."""
     sz, cz, sa, ca = np.sin(zenith), np.cos(zenith), np.sin(azimuth), np.cos(azimuth)
     limbs = np.tan(np.clip(0.5 * np.pi - zenith + np.array([-1.0, 1.0]) * SOLAR_ANGULAR_RADIUS, -1.5, 0.5 * np.pi - 1e-6))
-    values = (azimuth, sz * sa, sz * ca, cz, -cz * sa, -cz * ca, sz, ca, -sa, sa, ca, *limbs, 1.0)
+    values = (azimuth, sz * sa, sz * ca, cz, -cz * sa, -cz * ca, sz, ca, -sa, sa, ca, *limbs, 1.0, radius)
     return Sunlight(shining, *(float(v) for v in values))
 
 
@@ -173,4 +175,4 @@ def _directed(sun: Sunlight, direction: tuple[float, float, float], share: float
     lower = (tangent - SOLAR_ANGULAR_RADIUS) / (1.0 + tangent * SOLAR_ANGULAR_RADIUS)
     upper = (tangent + SOLAR_ANGULAR_RADIUS) / max(1.0 - tangent * SOLAR_ANGULAR_RADIUS, 1e-6)
     shining = sun.shining and share > 0.0
-    return Sunlight(shining, sun.azimuth, east, north, up, -up * he, -up * hn, flat, hn, -he, he, hn, lower, upper, share)
+    return Sunlight(shining, sun.azimuth, east, north, up, -up * he, -up * hn, flat, hn, -he, he, hn, lower, upper, share, sun.radius)

@@ -108,13 +108,15 @@ class _AttitudePlan:
 class _Height:
     """Scene prepared for one sensor height: the sweep's, if any pixel is swept, and what rays need, prepared on first use.
 
-    ``rays`` and ``sun`` do not depend on the seed: other realisations of the sea share them.
+    ``rays`` and ``sun`` do not depend on the seed: other realisations of the sea share them. ``moonlit`` has both of the Moon where it is
+    a second light.
     """
 
     view: SeaView
     swept: SweptScene | None
     rays: Callable[[], RayTables]
     sun: Callable[[], SunInSky]
+    moonlit: tuple[Callable[[], RayTables], Callable[[], SunInSky]] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -357,7 +359,9 @@ class TurnedScene:
                 finer=self._finer * self.accuracy.oversampling,
                 breaking=self.breaking,
             )
-        self._heights[at] = _Height(view, swept, cache(partial(self._rays, view)), cache(partial(sun_in_sky, view)))
+        first, second = view.lights
+        moonlit = None if second is None else (cache(partial(self._rays, second)), cache(partial(sun_in_sky, second)))
+        self._heights[at] = _Height(first, swept, cache(partial(self._rays, first)), cache(partial(sun_in_sky, first)), moonlit)
         while len(self._heights) > CACHED_HEIGHTS:
             self._heights.popitem(last=False)
         return self._heights[at]
@@ -449,8 +453,16 @@ class TurnedScene:
             _resample(plan, np.concatenate([scene.planes(upright, time, surface, part) for part in plan.parts], axis=2), out)
         if plan.walked.size:
             bounds = levels.bounds(lattices)
-            channels = launch.pixels_of_rays(prepared.rays(), surface, bounds, pose.height, plan.corner, plan.walked, plan.samples)
-            channels[:, TOTAL] += disc_in_pixels(prepared.sun(), plan.corner, plan.walked) * (1.0 - channels[:, COVERAGE])
+
+            def walked(rays: RayTables, sun: SunInSky) -> FloatArray:
+                channels = launch.pixels_of_rays(rays, surface, bounds, pose.height, plan.corner, plan.walked, plan.samples)
+                channels[:, TOTAL] += disc_in_pixels(sun, plan.corner, plan.walked) * (1.0 - channels[:, COVERAGE])
+                return channels
+
+            channels = walked(prepared.rays(), prepared.sun())
+            if prepared.moonlit is not None:
+                more = walked(prepared.moonlit[0](), prepared.moonlit[1]())
+                channels[:, (TOTAL, SUN)] += more[:, (TOTAL, SUN)]
             sky = channels[:, TOTAL] - channels[:, SUN] - channels[:, EMITTED] - channels[:, PATH]
             for k, kind in enumerate(kinds):
                 out[k, plan.walked] = sky if kind == SKY else channels[:, kind]

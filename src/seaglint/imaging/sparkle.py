@@ -27,7 +27,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import horizon_depression, horizon_range, surface_range
 from seaglint.base.jit import kernel, njit
 from seaglint.base.keyed_random import cell_key, gamma_deviate, last_event
@@ -123,7 +123,8 @@ def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
     solid = (ground.reach * camera.column_step * camera.row_step)[rows][:, None] / slant
     theta = np.arccos(ground.grazing[rows])[:, None]
     turn = turn_at(ground.range_m[rows])[:, None]
-    mirrored = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, turn)
+    sun = (view.solar_zenith, view.solar_azimuth)
+    mirrored = glint(theta, camera.azimuths[columns] + np.pi, *sun, view.slopes, view.shadowing, turn, view.disc.lit_radius)
     shown = mirrored.chance > 0.0
     if not shown.any():
         return 0.0
@@ -357,7 +358,7 @@ def facet_spread(
     """
     if sparkle.cell <= 0.0 or factor <= 0.0:
         return 0.0
-    chance = factor * math.pi * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS
+    chance = factor * math.pi * sun.radius * sun.radius
     sine, cosine = grazing
     twice = 1.0 + cosine * (sight.east * sun.east + sight.north * sun.north) + sine * sun.up
     return piece_variance(sparkle, solar, chance, math.sqrt(max(0.5 * twice, 1e-12)), sine + sun.up, across)

@@ -27,11 +27,11 @@ from seaglint.facet.sunlight import Sunlight
 from seaglint.imaging import launch
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager, pixels_of
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed
+from seaglint.imaging.layers import CHANNELS, SPREAD, SUN, TOTAL, Layers, channels_for, layers_of, planes_for, require_layers, summed
 from seaglint.imaging.scene import CLEAR, Accuracy, Instant, Levels, SceneFoam, averaged_share, joined, require_columns, scene_foam
 from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles, sparkle_rows
 from seaglint.imaging.sun_in_sky import NO_SUN, sun_in_sky
-from seaglint.imaging.sweep.sweep import SHARED, Rows, Swept
+from seaglint.imaging.sweep.sweep import NEGLIGIBLE_MOON, NEGLIGIBLE_SUN, SHARED, Rows, Swept
 from seaglint.imaging.sweep.walk import PATH_EVERY, Merging, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
 from seaglint.imaging.wave_surface import Surface
 from seaglint.sea.foam.foam_field import FoamField
@@ -86,6 +86,7 @@ class SweptScene:
     _levels: Levels
     _tables: Swept | None  #: Tables of the kernels; None where no sea can be seen.
     _row: float  #: Height of the pixels that the accuracy settings refer to [rad].
+    _moonlit: SweptScene | None = None  #: The same sea under the Moon where that is a second light: its light is added.
 
     @classmethod
     def prepare(
@@ -100,7 +101,7 @@ class SweptScene:
         finer: int = 1,
         breaking: FoamField | None = None,
     ) -> SweptScene:
-        """Prepare everything that does not change in time.
+        """Prepare everything that does not change in time, under the lights of the view (``SeaView.lights``).
 
         ``finer``: pixels of the camera along a side of the pixels that the accuracy settings refer to. A picture that is averaged over
         ``finer x finer`` pixels, or blurred as much, needs the waves, the lines of sight and the pieces of a row of the larger pixels.
@@ -113,25 +114,33 @@ class SweptScene:
             unknown layer.
         """
         fine, names = accuracy or Accuracy(), require_layers(layers)
+        view, second = view.lights
+        lights = [view] if second is None else [view, second]
+        # the accuracy of the Sun's picture, so that it is equal with and without a Moon; the Moon's under scattered sunlight alone
+        leading = view if second is None or view.irradiance.any() else second
         if camera.height != view.sensor_height:
             raise DomainError(
                 f"camera at {camera.height:g} m, but the view is made for {view.sensor_height:g} m; give both the same height"
             )
         levels, arcs, planned = Levels.calm(), np.empty(0), _coarser(camera, finer)
         if waves is None:
-            doublings = calm_doublings(camera.column_step / view.glint_width, fine.lines_per_column)
+            doublings = calm_doublings(camera.column_step / leading.glint_width, fine.lines_per_column)
             fine, levels = replace(fine, lines_per_column=1 << doublings), replace(levels, parts=np.zeros(doublings))
             arcs = calm_ranges(camera)
         else:
             require_dry(camera.height, waves)
             limits = sea_limits(camera, fine.crest * waves.significant_height)
             first, last = limits if limits is not None else (0.0, 0.0)
-            levels = Levels.of(waves, planned, fine, last, first, finer, share=averaged_share(view.solar_zenith))
+            levels = Levels.of(waves, planned, fine, last, first, finer, share=averaged_share(leading.solar_zenith))
             if limits is not None:
                 arcs = graded_ranges(*limits, levels.begins, levels.steps, camera.height, planned.row_step)
-        foam = scene_foam(view, breaking)
-        empty = cls(view, camera, waves, fine, names, sparkles, foam, camera, levels, None, planned.row_step)
-        return replace(empty, _tables=empty._tabled(arcs)) if arcs.size > 1 else empty
+        scenes = [
+            cls(light, camera, waves, fine, names, sparkles, scene_foam(light, breaking), camera, levels, None, planned.row_step)
+            for light in lights
+        ]
+        if arcs.size > 1:
+            scenes = [replace(scene, _tables=scene._tabled(arcs)) for scene in scenes]
+        return scenes[0] if second is None else replace(scenes[0], _moonlit=scenes[1])
 
     @property
     def pose(self) -> Pose:
@@ -195,25 +204,27 @@ class SweptScene:
                 f"camera at {camera.height:g} m, and the scene was prepared for {prepared.height:g} to {highest:g} m; "
                 "stay between them or prepare a scene for this height"
             )
+        moonlit = None if self._moonlit is None else self._moonlit.with_camera(camera)
         if self._tables is None:
-            return replace(self, camera=camera)
+            return replace(self, camera=camera, _moonlit=moonlit)
         walk = self._tables.walk
         if camera.height != walk.eye:
             rise, fall = sight_lines(walk.range_m, camera.height)
             walk = walk._replace(eye=camera.height, rise=rise, fall=fall)
         rows = self._tables.rows if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=prepared.height))
-        return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, rows=rows))
+        return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, rows=rows), _moonlit=moonlit)
 
     def reseeded(self, seed: int) -> Self:
         """Return another realisation of the same sea, sparkles included, without preparing anything again."""
         sparkles, tables = self.sparkles.reseeded(seed), self._tables
         if tables is not None:
             tables = tables._replace(sparkle=sparkles.of(self.view, self._prepared_for)[0])
+        moonlit = None if self._moonlit is None else self._moonlit.reseeded(seed)
         if self.waves is None:
-            return replace(self, sparkles=sparkles, _tables=tables)
+            return replace(self, sparkles=sparkles, _tables=tables, _moonlit=moonlit)
         waves = self.waves.reseeded(seed)
-        foam = self.foam.reseeded(waves, seed)
-        return replace(self, waves=waves, sparkles=sparkles, foam=foam, _levels=self._levels.reseeded(waves), _tables=tables)
+        foam, levels = self.foam.reseeded(waves, seed), self._levels.reseeded(waves)
+        return replace(self, waves=waves, sparkles=sparkles, foam=foam, _levels=levels, _tables=tables, _moonlit=moonlit)
 
     def surface(self, time: float, origin: tuple[float, float] = (0.0, 0.0)) -> Surface:
         """Return the sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""
@@ -305,7 +316,16 @@ class SweptScene:
         return launch.planes_of(images[:, 0], planes_for(self.layers), np.float32)
 
     def _swept(self, pose: Pose, time: float, part: tuple[int, int], surface: Surface, cuts: FloatArray) -> FloatArray:
-        """Return the channels of some columns (columns, 1 or 2 + cuts, channels, rows)."""
+        """Return the channels of some columns under all lights (columns, 1 or 2 + cuts, channels, rows)."""
+        images = self._lit(pose, time, part, surface, cuts)
+        if self._moonlit is not None:
+            more = self._moonlit._lit(pose, time, part, surface, cuts)
+            for channel in (TOTAL, SUN, SPREAD):
+                images[:, :, channel] += more[:, :, channel]
+        return images
+
+    def _lit(self, pose: Pose, time: float, part: tuple[int, int], surface: Surface, cuts: FloatArray) -> FloatArray:
+        """Return the channels of some columns under the light of this view."""
         camera, tables = self.camera, self._tables
         self._require_pose(pose)
         intervals = cuts.shape[1] + 1 if cuts.shape[1] else 0
@@ -351,9 +371,10 @@ class SweptScene:
         stage = stages(arcs, levels.begins, levels.parts)
         march, highest = self._shadows(sun)
         walk = Walk(arcs, camera.height, *sight_lines(arcs, camera.height), path, every, stage, march)
+        faint = NEGLIGIBLE_SUN if view.disc.ratio is None else NEGLIGIBLE_MOON
         merging = Merging(self.accuracy.merged_spread, CELLS_PER_ROW / self._row, highest)
         foam = NO_FOAM if view.foam is None else foam_tables(view, basis)
-        return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0], merging, foam)
+        return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0], merging, foam, faint)
 
     def _domains(self, arcs: FloatArray) -> list[FacetDomain]:
         """Return the facets of every level with the sines of their grazing angles, from troughs to crests."""

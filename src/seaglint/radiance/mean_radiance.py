@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression, view_zenith
 from seaglint.base.errors import DomainError
 from seaglint.facet.glint import GlintModel
@@ -36,16 +36,28 @@ _FINEST: Final = 2e-4  #: Least scale of the tabulated elevations [rad]: a mirro
 
 
 @dataclass(frozen=True, eq=False)
+class MirroredMoon:
+    """Mirrored light of the Moon beside the Sun's, as the same fields of ``SeaRadiance``."""
+
+    sun: FloatArray
+    chance: FloatArray
+    cos_incidence: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class SeaRadiance:
     """Band radiance at the aperture by origin [W m-2 sr-1]; arrays broadcast to (rows, columns)."""
 
     path: FloatArray  #: Thermal radiance of the air between sea and sensor, and sunlight that it scatters; 0 above the horizon.
     emission: FloatArray  #: Emission of the sea, attenuated; 0 above the horizon.
     sky: FloatArray  #: Sky mirrored by the sea, attenuated, with the sunlight scattered there; above the horizon the sky itself.
-    sun: FloatArray  #: Sun mirrored by the sea (glint), attenuated; the Sun itself is not drawn above the horizon.
+    sun: FloatArray  #: Sun and Moon mirrored by the sea, attenuated; the Sun itself is not drawn above the horizon.
     chance: FloatArray  #: Share of the viewed area that mirrors the Sun [1, (rows, columns)]; 0 without a Sun and above the horizon.
     cos_incidence: FloatArray  #: Cosine of the angle of incidence on the mirroring facets [1, (rows, columns)]; 0 in the same places.
     foam_sun: FloatArray | float = 0.0  #: Sunlight that foam reflects diffusely, attenuated; it is not glint and does not sparkle.
+    #: The part of ``sun`` that is the Moon's where the Moon is a second light (``SeaView.lights``), its chance and incidence; None where
+    #: it is not.
+    moon: MirroredMoon | None = None
 
     @property
     def sunlight(self) -> FloatArray:
@@ -118,6 +130,7 @@ class SeaLines:
     @classmethod
     def prepare(cls, view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surface: SeaSurface | None = None) -> SeaLines:
         """Prepare elevations and azimuths of a view; arguments as for :func:`mean_radiance`."""
+        view, _ = view.lights
         rows, columns = _lines(elevation, azimuth)
         gamma = _sea_elevation(view.sensor_height, rows)
         sea = np.isfinite(gamma)
@@ -129,13 +142,22 @@ class SeaLines:
         return cls(surface, rows, columns, gamma, weights, thermal)
 
     def under(self, view: SeaView) -> SeaRadiance:
-        """Mean radiance under the Sun of a view that otherwise equals the prepared one, with as many bands of nested shadowing."""
+        """Mean radiance under the lights of a view that otherwise equals the prepared one, with as many bands of nested shadowing."""
         if self._thermal is None:
             return MeanModel.prepare(view, self.surface).map(self._rows, self._columns)
         rows, columns, sea = self._rows, self._columns, np.isfinite(self._gamma)
+        view, second = view.lights
+        if second is not None:
+            water = _assembled(second, rows, columns, self._gamma, self._thermal.under(second), self._weights, _glint_model(second))
+            return _with_moon(self.under(view), self._foamed(second, water, sea))
         water = _assembled(view, rows, columns, self._gamma, self._thermal.under(view), self._weights, _glint_model(view))
-        out, foam = self._with_scattered(view, water, sea), FoamMean.prepare(view)
-        return out if foam is None else _with_foam(out, foam, self._gamma[:, None], columns, sea, foam.rows(self._thermal.seen))
+        return self._foamed(view, self._with_scattered(view, water, sea), sea)
+
+    def _foamed(self, view: SeaView, water: SeaRadiance, sea: NDArray[np.bool_]) -> SeaRadiance:
+        """Mix the light of water with the foam of a view."""
+        assert self._thermal is not None  # of these rows
+        foam = FoamMean.prepare(view)
+        return water if foam is None else _with_foam(water, foam, self._gamma[:, None], self._columns, sea, foam.rows(self._thermal.seen))
 
     def _with_scattered(self, view: SeaView, out: SeaRadiance, sea: NDArray[np.bool_]) -> SeaRadiance:
         """Add the scattered sunlight of a view."""
@@ -173,16 +195,18 @@ class MeanModel:
     _glint: GlintModel
     _scattered: ScatteredMap | None
     _foam: tuple[FoamMean, CubicSpline[np.float64]] | None
+    _moonlit: MeanModel | None = None  #: Model of the Moon where it is a second light.
 
     @classmethod
     def prepare(cls, view: SeaView, surface: SeaSurface | None = None) -> MeanModel:
-        """Tabulate a view; ``surface`` as in :func:`mean_radiance`.
+        """Tabulate a view under its lights; ``surface`` as in :func:`mean_radiance`.
 
         Raises
         ------
         DomainError
             As :func:`mean_radiance`.
         """
+        view, second = view.lights
         # even steps of arsinh(gamma/scale) are fine near the horizon and coarse overhead
         scale = horizon_depression(view.sensor_height)
         if not view.slopes.is_flat:
@@ -193,10 +217,15 @@ class MeanModel:
         scattered = None if light is None else ScatteredMap.prepare(light, scale, x)
         rows, foam = ThermalRows.of(view, gamma, wind_azimuths(view.slopes), surface), FoamMean.prepare(view)
         bubbles = None if foam is None else (foam, CubicSpline(x, foam.rows(rows.seen)))
-        return cls(view, scale, CubicSpline(x, rows.under(view)), _glint_model(view), scattered, bubbles)
+        moonlit = None if second is None else cls.prepare(second)
+        return cls(view, scale, CubicSpline(x, rows.under(view)), _glint_model(view), scattered, bubbles, moonlit)
 
     def map(self, elevation: ArrayLike, azimuth: ArrayLike) -> SeaRadiance:
         """Mean radiance at elevations and azimuths, as :func:`mean_radiance`; within 1e-5 of it."""
+        out = self._map(elevation, azimuth)
+        return out if self._moonlit is None else _with_moon(out, self._moonlit._map(elevation, azimuth))
+
+    def _map(self, elevation: ArrayLike, azimuth: ArrayLike) -> SeaRadiance:
         rows, columns = _lines(elevation, azimuth)
         gamma = _sea_elevation(self.view.sensor_height, rows)
         sea = np.isfinite(gamma)
@@ -217,6 +246,10 @@ class MeanModel:
 
     def along(self, elevation: FloatArray, azimuth: FloatArray) -> SeaRadiance:
         """Mean radiance along a list of lines of sight, elevation and azimuth of each [rad, (n,)]; components are (n, 1)."""
+        out = self._along(elevation, azimuth)
+        return out if self._moonlit is None else _with_moon(out, self._moonlit._along(elevation, azimuth))
+
+    def _along(self, elevation: FloatArray, azimuth: FloatArray) -> SeaRadiance:
         gamma = _sea_elevation(self.view.sensor_height, elevation)
         sea = np.isfinite(gamma)
         interpolated = self._spline(np.arcsinh(gamma[sea] / self._scale))
@@ -268,8 +301,14 @@ def _sea_elevation(height: float, elevation: FloatArray) -> FloatArray:
         return np.asarray(np.where(np.isfinite(view_zenith(height, -elevation)), 2.0 * np.arcsin(np.sqrt(np.maximum(square, 0.0))), np.nan))
 
 
+def _with_moon(out: SeaRadiance, more: SeaRadiance) -> SeaRadiance:
+    """Add the mirrored light of the Moon beside the Sun."""
+    moon, foam = MirroredMoon(more.sun, more.chance, more.cos_incidence), out.foam_sun + more.foam_sun
+    return replace(out, sun=out.sun + more.sun, foam_sun=foam, moon=moon)
+
+
 def _glint_model(view: SeaView) -> GlintModel:
-    return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, view.sun_table)
+    return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, view.sun_table, view.disc.lit_radius)
 
 
 def _scattered(view: SeaView, surface: SeaSurface | None, turn: float | None = None) -> ScatteredSun | None:
@@ -336,7 +375,7 @@ class ThermalRows:
     def under(self, view: SeaView) -> FloatArray:
         """Terms, followed by the terms of the mirrored Sun of a view [W m-2 sr-1, (rows, 1 + 2 k + terms)]."""
         # The spectral sum over each Chebyshev term is taken per row; the pixels then only need their angle of incidence.
-        per_term = (self.seen * view.irradiance) @ self.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)
+        per_term = (self.seen * view.irradiance) @ self.coefficients.T / (np.pi * view.disc.lit_radius**2)
         return np.concatenate([self.terms, per_term], axis=1)
 
 

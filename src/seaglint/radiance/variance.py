@@ -22,6 +22,7 @@ depression and a Sun at 60 deg.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -264,14 +265,20 @@ def sea_variance(view: SeaView, mean: SeaRadiance, elevation: ArrayLike, solid_a
     omega = np.broadcast_to(np.asarray(solid_angle, dtype=np.float64), rows.shape)
     distance = slant_range_of(view.sensor_height, surface_range(view.sensor_height, -rows[sea]))
     variance = np.zeros((rows.size, mean.sun.shape[1]))
-    variance[sea] = glint_variance(
-        mean.sun[sea],
-        mean.chance[sea],
-        mean.cos_incidence[sea],
-        theta[sea][:, None],
-        view.solar_zenith,
-        distance[:, None],
-        omega[sea][:, None],
-        correlation_length,
-    )
+    # glints of Sun and Moon are independent: their variances add up
+    first, second = view.lights
+    of_first = mean if mean.moon is None else replace(mean, sun=mean.sun - mean.moon.sun)
+    for light, mirrored in ((first, of_first), (second, mean.moon)):
+        if light is None or mirrored is None:
+            continue
+        variance[sea] += glint_variance(
+            mirrored.sun[sea],
+            mirrored.chance[sea],
+            mirrored.cos_incidence[sea],
+            theta[sea][:, None],
+            light.solar_zenith,
+            distance[:, None],
+            omega[sea][:, None],
+            correlation_length,
+        )
     return variance

@@ -29,7 +29,7 @@ from seaglint.scenario.records.object_tables import Object, in_degrees, with_nam
 from seaglint.scenario.records.quantities import PACKAGED, YEARS, Quantity, Record, about, rule
 from seaglint.scenario.records.sea_tables import FlatSlopes, Sea, SpectrumSlopes, Wind
 from seaglint.scenario.records.sensor_table import Sensor
-from seaglint.scenario.records.small_tables import TABLE_BANDS_TEXT, BandSettings, Mean, Place, Platform, Render, Sun, Time
+from seaglint.scenario.records.small_tables import TABLE_BANDS_TEXT, BandSettings, Mean, Moon, Place, Platform, Render, Sun, Time
 
 
 class Scenario(Record):
@@ -39,6 +39,9 @@ class Scenario(Record):
     time: Time | None = None
     place: Place | None = None
     sun: Sun | None = None
+    moon: Annotated[
+        Moon | None, about("the Moon: three angles, or an empty table with [time] and [place]; without it there is no moonlight")
+    ] = None
     sensor: Sensor = Sensor()
     platform: Annotated[Platform | None, about("how the sensor moves; without it the sensor stands still")] = None
     band: BandSettings = BandSettings()
@@ -89,6 +92,16 @@ class Scenario(Record):
             raise rule("place", "is missing: [time] needs [place] latitude_deg, longitude_deg to find the Sun; or give [sun] instead")
         if self.sun is None and self.time is None and self.likelihood is None:
             raise rule("time", "is missing: [place] needs [time] utc to find the Sun; or give [sun] instead")
+        return self
+
+    @model_validator(mode="after")
+    def _moon_has_a_place(self) -> Self:
+        if self.moon is None or self.moon.given:
+            return self
+        draws = self.likelihood is not None and self.sun is None
+        if (self.time is None or self.place is None) and not draws:
+            text = "has no angles and needs [time] and [place]; give both, or zenith_deg, azimuth_deg and phase_deg in [moon]"
+            raise rule("moon", text)
         return self
 
     @model_validator(mode="after")

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.errors import DataError, ScenarioError, SeaglintError
 from seaglint.base.free_form import JsonObject
 from seaglint.base.representation import decimals
 from seaglint.store.location import place_of
@@ -20,6 +20,8 @@ from seaglint.store.stored_images import Summary, directions, images, pictures, 
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from seaglint.scenario.model import Scenario
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,29 @@ def describe_scenario(path: Path) -> ScenarioFacts:
         ensemble = load_ensemble(path).ensemble
         keys = [str(vary["key"]) for vary in raw.get("vary", [])]
         return ScenarioFacts(str(path), "ensemble", [f"{ensemble.scenes} scenes; drawn for each: {', '.join(keys) or 'the seed alone'}"])
-    return ScenarioFacts(str(path), "scenario", [*camera_lines(load_scenario(path).model_dump(mode="json", exclude_none=True))])
+    scenario = load_scenario(path)
+    camera = camera_lines(scenario.model_dump(mode="json", exclude_none=True))
+    return ScenarioFacts(str(path), "scenario", [*camera, *_moon_lines(scenario)])
+
+
+def _moon_lines(scenario: Scenario) -> list[str]:
+    """Return lines on the Sun and the Moon over a scenario with ``[moon]``."""
+    from seaglint.scenario.moon import moon_position
+    from seaglint.scenario.sun import sun_position
+
+    try:
+        sun, moon = sun_position(scenario), moon_position(scenario)
+    except ScenarioError:
+        return ["Moon              by time and place of every draw of [likelihood]"] if scenario.moon is not None else []
+    if moon is None:
+        return []
+    zenith, azimuth, phase, radius = (math.degrees(angle) for angle in (moon.zenith, moon.azimuth, moon.phase, moon.radius))
+    below = "; it is below the horizon: no moonlight" if moon.zenith - moon.radius > 0.5 * math.pi else ""
+    return [
+        f"Sun               zenith {math.degrees(sun.zenith):.2f} deg, azimuth {math.degrees(sun.azimuth) % 360.0:.2f} deg",
+        f"Moon              zenith {zenith:.2f} deg, azimuth {azimuth % 360.0:.2f} deg, phase {phase:.1f} deg "
+        f"({100.0 * moon.lit_share:.0f} % lit), radius {radius:.3f} deg{below}",
+    ]
 
 
 def camera_lines(scenario: Mapping[str, Any]) -> list[str]:
@@ -158,6 +182,10 @@ def scene_line(scenario: Mapping[str, Any]) -> str:
         light = f"Sun of {time['utc']} at {decimals(place['latitude_deg'])}, {decimals(place['longitude_deg'])} deg"
     else:
         light = "Sun by time and place"
+    if (moon := scenario.get("moon")) is not None:
+        light += "; Moon"
+        if "zenith_deg" in moon:
+            light += f" {decimals(moon['zenith_deg'])} deg from the zenith, phase {decimals(moon['phase_deg'])} deg"
     name = air.get("model") or air["source"]
     if air.get("sounding"):
         name = f"of {Path(str(air['sounding'])).name}, continued by {name}"

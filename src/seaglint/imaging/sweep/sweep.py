@@ -32,7 +32,8 @@ from seaglint.imaging.sun_in_sky import NO_SUN, SunInSky, add_disc
 from seaglint.imaging.sweep.walk import Merging, Pieces, Walk, bend, elevation, merge, new_pieces, read_foam, read_slopes, walk_line
 from seaglint.imaging.wave_surface import Surface, SurfaceLine, course, height, new_strip, sun_over_waves
 
-NEGLIGIBLE_SUN = 3e-4  #: Share of a facet's thermal radiance below which its sunlight is not tested for shadows.
+#: Share of a facet's thermal radiance below which its sunlight is not tested for shadows, and its moonlight.
+NEGLIGIBLE_SUN, NEGLIGIBLE_MOON = 3e-4, 3e-6
 
 
 #: Range of azimuths in which columns share tables of the facets and of the disc [rad]: radiance changes by less than 0.2 % in any pixel
@@ -65,6 +66,7 @@ class Swept(NamedTuple):
     sparkle: Sparkle
     merging: Merging
     foam: FoamTables  #: Light of foam; empty for a sea without foam.
+    faint: float  #: Share of a facet's thermal radiance below which its sunlight is not tested for shadows.
 
 
 class Line(NamedTuple):
@@ -162,7 +164,7 @@ def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pi
     if solar > 0.0:
         solar *= sun.share * strength_kernel(swept.strength, sun.up)
     march = (walk.shadow[line.level, 0], walk.shadow[line.level, 1])
-    if march[0] > 0.0 and solar > NEGLIGIBLE_SUN * warm:
+    if march[0] > 0.0 and solar > swept.faint * warm:
         share, lift = sun_over_waves(surface, line.level, line.course, line.sunward, r, march, sun)
         if lift > 0.0:
             sun = raised_sun(sun, lift)

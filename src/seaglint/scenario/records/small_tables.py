@@ -1,7 +1,7 @@
-"""Tables of the view: Sun, platform, band, and the computation of mean maps and images.
+"""Tables of the view: Sun, Moon, platform, band, and the computation of mean maps and images.
 
-``[time]``, ``[place]`` and ``[sun]`` give the Sun's position, ``[platform]`` the motion of the sensor, ``[band]`` the spectral band,
-``[mean]`` the method of the mean radiance, and ``[render]`` accuracy, cost and written arrays of the image.
+``[time]``, ``[place]`` and ``[sun]`` give the Sun's position, ``[moon]`` the Moon's, ``[platform]`` the motion of the sensor, ``[band]``
+the spectral band, ``[mean]`` the method of the mean radiance, and ``[render]`` accuracy, cost and written arrays of the image.
 """
 
 from __future__ import annotations
@@ -36,6 +36,43 @@ class Sun(Record):
         float, Quantity("deg", ge=0, le=180), about("zenith angle of the Sun's centre; above 90 it is below the horizontal: no glint")
     ] = 75.0
     azimuth_deg: Annotated[Azimuth, about("azimuth of the Sun, clockwise from north")] = 180.0
+
+
+class Moon(Record):
+    """A Moon in the night sky: an empty table takes its position and phase from ``[time]`` and ``[place]``; or give the three angles."""
+
+    zenith_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=0, le=180)] | None,
+        about("zenith angle of the Moon's centre; above 90 it is below the horizontal: no moonlight"),
+    ] = None
+    azimuth_deg: Annotated[Azimuth | None, about("azimuth of the Moon, clockwise from north")] = None
+    phase_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=0, le=180)] | None,
+        about("phase angle, the angle at the Moon between Sun and observer: 0 is full Moon, 90 a half Moon, 180 new Moon"),
+    ] = None
+    distance_km: Annotated[
+        Annotated[float, Quantity("km", ge=340_000, le=420_000)] | None,
+        about("distance of the Moon's centre; default: from date and place, or 384400 with the three angles"),
+    ] = None
+
+    @property
+    def given(self) -> bool:
+        """Return true where the angles are given, instead of date and place."""
+        return self.zenith_deg is not None
+
+    @model_validator(mode="after")
+    def _all_angles_or_none(self) -> Self:
+        angles = {"zenith_deg": self.zenith_deg, "azimuth_deg": self.azimuth_deg, "phase_deg": self.phase_deg}
+        missing = [name for name, angle in angles.items() if angle is None]
+        if 0 < len(missing) < len(angles):
+            given = [name for name in angles if name not in missing]
+            here = f"{' and '.join(given)} {'is' if len(given) == 1 else 'are'} given"
+            text = f"is missing, but {here}; give zenith_deg, azimuth_deg and phase_deg, or none of them with [time] and [place]"
+            raise rule(f"moon.{missing[0]}", text)
+        if missing and self.distance_km is not None:
+            text = f"= {self.distance_km:g} is given without angles; leave it out, or give zenith_deg, azimuth_deg and phase_deg"
+            raise rule("moon.distance_km", text, value=self.distance_km)
+        return self
 
 
 PlaceMetres = Annotated[float, Quantity("m", ge=-1e6, le=1e6)]  #: Position towards east or north.

@@ -15,6 +15,7 @@ from seaglint.base.errors import ScenarioError
 from seaglint.base.representation import ABSENT, as_text, card, notes, table
 from seaglint.scenario.keys import key_at
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.moon import MoonPosition, moon_position
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.scenario.text.toml_writing import differing
 
@@ -106,17 +107,29 @@ def scenario_html(scenario: Scenario) -> str:
     """Return the HTML of a scenario: a table of keys that differ from the defaults, and a compass of wind, Sun and view."""
     rows = [(key, value, _default(key)) for key, value in _flat(differing(scenario), "")]
     body = table(("key", "value", "default"), rows) if rows else notes(["all values are the defaults"])
-    sun = _sun(scenario)
+    sun, moon = _sun(scenario), _moon(scenario)
     facts = [f"wind {scenario.wind.speed_m_s:.1f} m/s from {scenario.wind.from_deg:.1f}°"]
     facts.append(f"view towards {scenario.sensor.azimuth_deg:.1f}°, elevation {scenario.sensor.elevation_deg:.1f}°")
     if sun is not None:
         facts.append(f"Sun: zenith angle {_degrees(sun.zenith)}, azimuth {_degrees(sun.azimuth)}")
+    if moon is not None:
+        facts.append(
+            f"Moon: zenith angle {_degrees(moon.zenith)}, azimuth {_degrees(moon.azimuth)}, phase angle {_degrees(moon.phase)}, "
+            f"{100.0 * moon.lit_share:.0f} % lit"
+        )
     return card("seaglint scenario", body, compass(scenario, sun) + notes(facts))
 
 
 def _sun(scenario: Scenario) -> SunPosition | None:
     try:
         return sun_position(scenario)
+    except ScenarioError:  # [likelihood] alone: time and place vary
+        return None
+
+
+def _moon(scenario: Scenario) -> MoonPosition | None:
+    try:
+        return moon_position(scenario)
     except ScenarioError:  # [likelihood] alone: time and place vary
         return None
 

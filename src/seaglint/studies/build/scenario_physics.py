@@ -7,9 +7,11 @@ profile of the air (``bending``).
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, assert_never
+from functools import partial
+from typing import Final, NamedTuple, assert_never
 
 import numpy as np
 
@@ -23,7 +25,7 @@ from seaglint.base.free_form import Attributes, JsonObject
 from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
 from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import VIEWER, Shadowing
-from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sea_view import Disc, Moonlight, SeaView
 from seaglint.formats.tables.input_tables import COLUMNS, read_track
 from seaglint.formats.tables.spectra import read_response
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager
@@ -34,9 +36,11 @@ from seaglint.imaging.sparkle import Sparkles
 from seaglint.objects.floating import MOST_SAMPLES, FloatingTrack, Swell
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
+from seaglint.optics.moonlight import moon_to_sun
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.variance import capillary_length, correlation_length
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.moon import moon_position
 from seaglint.scenario.records import atmosphere_table as requested_air
 from seaglint.scenario.records import sea_tables as requested_sea
 from seaglint.scenario.records.object_tables import Object
@@ -285,10 +289,30 @@ def scatters(scenario: Scenario) -> bool:
     return scenario.atmosphere.scattered_sunlight
 
 
+_LOWER_LIMB: Final = math.pi  #: Bright limb of a Moon without a Sun [rad]: the lower one, towards a Sun below the horizon.
+
+
+class Lights(NamedTuple):
+    """Sun and Moon over a scene."""
+
+    sun: SunPosition
+    moon: Moonlight | None  #: None without a table ``[moon]``.
+
+
+def lights(scenario: Scenario, step: int = 0) -> Lights:
+    """Return Sun and Moon at the first frame, or at the beginning of a later step (``seaglint.scenario.sun.sun_step``)."""
+    sun, moon = sun_position(scenario, step), moon_position(scenario, step)
+    if moon is None:
+        return Lights(sun, None)
+    ratio = partial(moon_to_sun, phase=moon.phase, distance_m=moon.distance_m, sun_distance_au=moon.sun_distance_au)
+    limb = _LOWER_LIMB if moon.bright_limb is None else moon.bright_limb
+    return Lights(sun, Moonlight(moon.zenith, moon.azimuth, Disc(moon.radius, ratio, moon.phase, limb)))
+
+
 def view(scenario: Scenario) -> SeaView:
-    """Return sea, air and Sun for the scenario's sensor height."""
+    """Return sea, air, Sun and Moon for the scenario's sensor height."""
     over = band(scenario)
-    sun = sun_position(scenario)
+    sun, moon = lights(scenario)
     return SeaView(
         atmosphere=atmosphere(scenario, over),
         band=over,
@@ -302,12 +326,24 @@ def view(scenario: Scenario) -> SeaView:
         shadowing=Shadowing.of(scenario.mean.shadowing or "nested"),
         scattering=scatters(scenario),
         foam=None if scenario.sea.foam is None else FoamCover(foam_coverage(scenario)),
+        moon=moon,
     )
 
 
-def under(view: SeaView, sun: SunPosition) -> SeaView:
-    """Return a view with another Sun over the same sea and air."""
-    return replace(view, solar_zenith=sun.zenith, solar_azimuth=sun.azimuth, sun_distance_factor=sun.irradiance_factor)
+def under(view: SeaView, lights: Lights) -> SeaView:
+    """Return a view with other lights over the same sea and air."""
+    sun, moon = lights
+    return replace(view, solar_zenith=sun.zenith, solar_azimuth=sun.azimuth, sun_distance_factor=sun.irradiance_factor, moon=moon)
+
+
+def light_attributes(scenario: Scenario) -> dict[str, float]:
+    """Return the directions of Sun and Moon at time 0 [deg], for the provenance; the Moon's phase with it, if there is one."""
+    sun, moon = lights(scenario)
+    given = {"solar_zenith_deg": sun.zenith, "solar_azimuth_deg": sun.azimuth}
+    if moon is not None:
+        given |= {"moon_zenith_deg": moon.zenith, "moon_azimuth_deg": moon.azimuth, "moon_phase_deg": moon.disc.phase}
+        given |= {"moon_bright_limb_deg": moon.disc.bright_limb, "moon_radius_deg": moon.disc.radius}
+    return {name: math.degrees(angle) for name, angle in given.items()}
 
 
 def article_view(scenario: Scenario, seen: SeaView | None = None) -> SeaView:
@@ -315,7 +351,14 @@ def article_view(scenario: Scenario, seen: SeaView | None = None) -> SeaView:
 
     This mode has isotropic slopes at the unchanged wind, one blackbody for sea and sky, and one shadowed leg. The water is the scenario's;
     ``sea.water = "article"`` is the article's. A flat sea remains flat.
+
+    Raises
+    ------
+    ScenarioError
+        A Moon, which this mode does not have.
     """
+    if scenario.moon is not None:
+        raise ScenarioError("mean.mode = 'article' has no Moon; leave out [moon], or set mean.mode = 'spectral'")
     kind = scenario.sea.slopes
     isotropic = (
         flat()

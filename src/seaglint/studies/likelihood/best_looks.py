@@ -18,7 +18,7 @@ from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.quantities import YEARS
 from seaglint.studies.likelihood.climatology import likelihood_table
-from seaglint.studies.likelihood.draw_model import LikelihoodModel
+from seaglint.studies.likelihood.draw_model import LikelihoodModel, require_no_moon
 from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
@@ -72,6 +72,7 @@ def best_looks(
     what a look is: of a trajectory or a field of view all depressions are one look.
     """
     settings = likelihood_table(scenario)
+    require_no_moon(scenario, "the search for the best look")
     if settings.looks is not None:
         raise ScenarioError("likelihood.looks has directions, and the best look is searched among all; leave it out")
     if settings.quantity == "detection":

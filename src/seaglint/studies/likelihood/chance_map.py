@@ -27,7 +27,7 @@ from seaglint.store.provenance import provenance
 from seaglint.studies.build.profile_air import report_air
 from seaglint.studies.build.scenario_physics import band
 from seaglint.studies.likelihood.climatology import EVERYWHERE
-from seaglint.studies.likelihood.draw_model import LikelihoodModel
+from seaglint.studies.likelihood.draw_model import LikelihoodModel, require_no_moon
 from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
@@ -174,6 +174,7 @@ class PreparedMap:
     @classmethod
     def of(cls, settings: MapSettings) -> PreparedMap:
         """Read the weather and lay out the cells."""
+        require_no_moon(settings.scenario, "a map of the likelihood")
         model = LikelihoodModel.of(settings.scenario, settings.weather)
         likelihood = model.settings
         region = EVERYWHERE if model.where is None and model.climatology is not None else model.where

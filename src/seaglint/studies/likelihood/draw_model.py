@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -32,16 +32,21 @@ from seaglint.climate.conditions import (
 )
 from seaglint.climate.ephemeris import Ephemeris
 from seaglint.climate.glint_radiance import DetectionCurve, Search, WindSlopes, seas
-from seaglint.climate.mirrored_sunlight import MirroredLight, mirrored_light
+from seaglint.climate.mirrored_moonlight import MoonBand, Moons
+from seaglint.climate.mirrored_sunlight import AirAt, MirroredLight, mirrored_light
+from seaglint.climate.moon_position import MoonEphemeris
 from seaglint.climate.weather_selection import GeographicBox
 from seaglint.climate.weather_table import WeatherTable, stand_ins_told
 from seaglint.climate.world_weather import NAME, time_of_year
 from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import VIEWER, Shadowing
+from seaglint.facet.sea_view import BandSum
 from seaglint.formats.lowtran.deck import MODELS
 from seaglint.formats.weather.weather_cells import read_cells
 from seaglint.formats.weather.weather_file import NORTH_ATLANTIC, read_weather
+from seaglint.optics.solar_spectrum import exoatmospheric_irradiance
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.moon import moon_position
 from seaglint.scenario.records.atmosphere_table import TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.records.sea_tables import FlatSlopes, SpectrumSlopes
@@ -54,7 +59,15 @@ from seaglint.studies.build.profile_air import model_air, requested_gases
 from seaglint.studies.build.waves_and_slopes import slopes
 from seaglint.studies.likelihood.climatology import Climatology, climatology_at, likelihood_table, place_law, which_place
 
-_SHARED = ("light", "seas", "ephemeris", "bandwidth", "curve")  #: Tables that scenarios with the same air, sea and year share.
+_SHARED = (
+    "light",
+    "seas",
+    "ephemeris",
+    "bandwidth",
+    "curve",
+    "moonlight",
+    "moon_ephemeris",
+)  #: Tables that scenarios with the same air, sea and year share.
 
 LOOK_COLUMNS = ("depression_deg", "azimuth_from_sun_deg", "height_m", "weight")
 
@@ -82,7 +95,7 @@ class LikelihoodModel:
             Files or settings that models refuse.
         """
         settings = likelihood_table(scenario)
-        notes = which_place(scenario)
+        notes = [*which_place(scenario), *_about_moon(scenario)]
         if weather is None and (settings.weather is None or settings.of_the_world):
             found = climatology_at(scenario)
             if isinstance(found, Climatology):
@@ -145,6 +158,37 @@ class LikelihoodModel:
         when = self.when
         return Ephemeris.between(when, when) if isinstance(when, float) else Ephemeris.of_year(self.settings.year)
 
+    @cached_property
+    def moon_ephemeris(self) -> MoonEphemeris | None:
+        """Ephemeris of the Moon over all times that are drawn; None without a Moon, or with a given one."""
+        moon, when = self.scenario.moon, self.when
+        if moon is None or moon.given:
+            return None
+        assert when is not None  # the scenario refuses a Moon of date and place beside a given Sun
+        return MoonEphemeris.between(when, when) if isinstance(when, float) else MoonEphemeris.of_year(self.settings.year)
+
+    def moons(self, where: Conditions, count: int) -> Moons | None:
+        """Return the Moon of each draw; None without ``[moon]``."""
+        if self.scenario.moon is None:
+            return None
+        if self.moon_ephemeris is not None:
+            at = self.moon_ephemeris.at(where.time, where.latitude, where.longitude)
+            return Moons(*(np.asarray(getattr(at, name)) for name in Moons._fields))
+        moon = moon_position(self.scenario)
+        assert moon is not None
+        limb = math.pi if moon.bright_limb is None else moon.bright_limb
+        given = (moon.zenith, moon.azimuth, moon.phase, moon.distance_m, limb, moon.sun_distance_au)
+        return Moons(*(np.full(count, value) for value in given))
+
+    @cached_property
+    def moonlight(self) -> tuple[MoonBand, MirroredLight]:
+        """Moonlight above the air, and through the air of every model atmosphere."""
+        over = scenario_physics.band(self.scenario)
+        air = self._air[0](self.models[0], 0.0)
+        in_band = BandSum.of(over, air)
+        band = MoonBand.of(in_band.wavenumber_cm, exoatmospheric_irradiance(in_band.wavenumber_cm) * in_band.weights)
+        return band, self._mirrored(band.ratios)
+
     def conditions(
         self,
         u: Mapping[str, FloatArray],
@@ -158,6 +202,8 @@ class LikelihoodModel:
         ``some`` are the only rows to draw from.
         """
         where = self.where if places is None else places
+        # nights count as much as days where the Moon gives light
+        by_daylight = by_daylight and self.scenario.moon is None
         if self.climatology is None:
             assert self.table is not None  # one of both is given
             return conditions(self.table, u, self.when, where, some, by_daylight=by_daylight)
@@ -224,6 +270,19 @@ class LikelihoodModel:
     @cached_property
     def light(self) -> MirroredLight:
         """Sunlight through the air of every model atmosphere."""
+        return self._mirrored((None,))
+
+    def _mirrored(self, ratios: Sequence[FloatArray | None]) -> MirroredLight:
+        air_at, winds, kinks = self._air
+        over, water = scenario_physics.band(self.scenario), scenario_physics.water(self.scenario)
+        article = self.scenario.mean.mode == "article"
+        return mirrored_light(
+            air_at, self.models, winds, self.heights, self.depression, over, water, kinks=kinks, article=article, ratios=ratios
+        )
+
+    @cached_property
+    def _air(self) -> tuple[AirAt, tuple[float, float] | None, list[Sequence[float]]]:
+        """Air of a model atmosphere at a wind, its range of winds [m/s], and the winds of its kinks."""
         scenario, over = self.scenario, scenario_physics.band(self.scenario)
         of_table = isinstance(scenario.atmosphere, TableAtmosphereSettings)
         same = None if of_table else scenario_physics.atmosphere(scenario, over)
@@ -245,9 +304,7 @@ class LikelihoodModel:
 
         # Kinks of the haze's laws in the wind are nodes of the interpolation.
         winds = (0.0, min(self.winds[1], NAVY_AEROSOL_WIND[1])) if of_table else None
-        water = scenario_physics.water(scenario)
-        kinks = [wind_kinks(profile) for profile in profiles.values()]
-        return mirrored_light(air_at, self.models, winds, self.heights, self.depression, over, water, kinks=kinks, article=article)
+        return air_at, winds, [wind_kinks(profile) for profile in profiles.values()]
 
     @cached_property
     def seas(self) -> WindSlopes:
@@ -312,6 +369,24 @@ class LikelihoodModel:
         new = replace(self, scenario=self.scenario.model_copy(update={"likelihood": settings}))
         new.share(self)
         return new
+
+
+def require_no_moon(scenario: Scenario, what: str) -> None:
+    """Refuse ``[moon]`` where draws know the Sun alone; ``what`` begins the text."""
+    if scenario.moon is not None:
+        raise ScenarioError(f"{what} has the mirrored Sun alone, no Moon; leave out [moon]")
+
+
+def _about_moon(scenario: Scenario) -> list[str]:
+    """Return a note where the Moon gives light; settings that know the Sun alone are refused."""
+    if scenario.moon is None:
+        return []
+    if scenario.mean.mode == "article":
+        require_no_moon(scenario, "mean.mode = 'article'")
+    if likelihood_table(scenario).azimuths == "integrated":
+        require_no_moon(scenario, "likelihood.azimuths = 'integrated'")
+    text = "glint is the Sun's and the Moon's, and clouds count in front of the brighter one; azimuths of looks are from the Sun"
+    return [f"[moon]: {text}, and are drawn, evenly"]
 
 
 def _complete(table: WeatherTable, settings: Likelihood) -> tuple[WeatherTable, int]:

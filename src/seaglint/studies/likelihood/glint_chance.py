@@ -24,6 +24,7 @@ from seaglint.climate.exceeding_azimuths import azimuth_shares
 from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes
 from seaglint.climate.importance import DensityTree, Warped
 from seaglint.climate.likelihood_summary import DrawnWeather, ExceededContrast, LikelihoodSummary, StratumChance, SunUp, ThresholdChance
+from seaglint.climate.mirrored_moonlight import Moons, brighter, moonlit_looks
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.model import Scenario
 from seaglint.studies.build import scenario_physics
@@ -248,7 +249,7 @@ def _integrates(model: LikelihoodModel, plan: SamplingPlan) -> bool:
     """Return true where azimuths are integrated."""
     settings = model.settings
     whole = settings.azimuths == "integrated" or (settings.azimuths == "auto" and plan.total <= INTEGRATED)
-    return whole and settings.integrates and "azimuth_from_sun_deg" not in model.looks
+    return whole and settings.integrates and model.scenario.moon is None and "azimuth_from_sun_deg" not in model.looks
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,7 +291,8 @@ def aimed(model: LikelihoodModel, *, samples: int | None = None, seed: int | Non
     """
     settings = model.settings
     thresholds = [t for t in settings.threshold_w_m2_sr if t > 0.0]
-    if not thresholds or settings.quantity == "detection":
+    # the search aims at the Sun: with a Moon draws are even
+    if not thresholds or settings.quantity == "detection" or model.scenario.moon is not None:
         return None
     plan = SamplingPlan.of(settings.samples if samples is None else samples)
     whole = _integrates(model, plan)
@@ -434,11 +436,15 @@ def evaluated(
     chosen = np.empty((at.size, len(columns)))
     for i, column in enumerate(columns):
         chosen[:, i] = column[at]
+    sight = _everywhere(looks(chosen, model.light, model.seas, model.search), at, wind.size)
+    moons = model.moons(where, wind.size)
+    if moons is not None:
+        sight, free = _with_moon(model, (np.stack(columns, axis=1), moons, cover, weight), sight, free)
     return Draws(
         plan=plan,
         where=where,
         weight=weight,
-        sight=_everywhere(looks(chosen, model.light, model.seas, model.search), at, wind.size),
+        sight=sight,
         illuminated=free,
         wind=wind,
         solar_zenith=zenith,
@@ -447,6 +453,23 @@ def evaluated(
         height=height,
         shares=_shares(model, chosen, at, wind.size, settings.threshold_w_m2_sr if levels is None else levels) if integrated else {},
     )
+
+
+def _with_moon(
+    model: LikelihoodModel, drawn: tuple[FloatArray, Moons, FloatArray, FloatArray], sun: Looks, sun_free: FloatArray
+) -> tuple[Looks, FloatArray]:
+    """Return looks under Sun and Moon, and the chance that clouds leave the brighter of both free.
+
+    ``drawn``: looks in the columns of ``COLUMNS``, the Moon, cover and weight of each draw.
+    """
+    rows, moons, cover, weight = drawn
+    settings, (band, light) = model.settings, model.moonlight
+    height = 0.5 * math.pi - moons.zenith
+    free = illuminated(cloud_law(model), cover, height, overcast=settings.overcast_cover, aspect=settings.cloud_aspect)
+    at = np.flatnonzero((moons.zenith < _SHINES) & (free > 0.0) & (weight > 0.0))
+    moonlit = moonlit_looks(rows[at], Moons(*(values[at] for values in moons)), band, light, model.seas, model.search)
+    both, by_moon = brighter(sun, _everywhere(moonlit, at, rows.shape[0]), searched=settings.case != "single-look")
+    return both, np.where(by_moon, free, sun_free)
 
 
 def _shares(

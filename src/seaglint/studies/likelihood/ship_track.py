@@ -25,7 +25,7 @@ from seaglint.formats.weather.forecast_weather import ForecastWeather, read_fore
 from seaglint.formats.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.climatology import likelihood_table
-from seaglint.studies.likelihood.draw_model import LikelihoodModel
+from seaglint.studies.likelihood.draw_model import LikelihoodModel, require_no_moon
 from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
@@ -73,6 +73,7 @@ def along_track(
     """
     course = _course(track)
     likelihood_table(scenario)  # refused after the file of the track
+    require_no_moon(scenario, "the likelihood along a track")
     ahead = None if forecast is None else read_forecast(forecast, course.time, course.latitude, course.longitude)
     model = LikelihoodModel.of(_of_track(scenario, weather), weather)
     notes = [*model.notes, *_near_the_sea(model, course)]

@@ -190,8 +190,7 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
             glint_correlation_length_m=length,
             mss_up=view.slopes.mss_up,
             mss_cross=view.slopes.mss_cross,
-            solar_zenith_deg=math.degrees(view.solar_zenith),
-            solar_azimuth_deg=math.degrees(view.solar_azimuth),
+            **scenario_physics.light_attributes(scenario),
             atmosphere_table=json.dumps(scenario_physics.atmosphere_provenance(view.atmosphere)),
             **_foam(view),
             **_wave_file(scenario),
@@ -285,7 +284,8 @@ def azimuths_across(view: SeaView, step: float) -> int:
 
     The mean is then within 0.5 % of the brightest; narrower columns are computed at their middle.
     """
-    return max(math.ceil(3.0 * step / view.glint_width), math.ceil(step / _WIDEST))
+    narrowest = min(light.glint_width for light in view.lights if light is not None)
+    return max(math.ceil(3.0 * step / narrowest), math.ceil(step / _WIDEST))
 
 
 def _components_along(scenario: Scenario, view: SeaView, length: float) -> Sights:

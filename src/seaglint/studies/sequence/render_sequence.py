@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -30,7 +29,7 @@ from seaglint.objects.drawing.image_path import View
 from seaglint.objects.drawing.light import Counting
 from seaglint.optics.band import apparent_temperature
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.sun import SunPosition, sun_position, sun_step
+from seaglint.scenario.sun import sun_step
 from seaglint.sea.foam.ship_foam import NO_SEGMENTS
 from seaglint.sea.wave_field import WaveField
 from seaglint.store.layout import Layout
@@ -38,7 +37,7 @@ from seaglint.store.provenance import provenance
 from seaglint.store.sequence_store import Frame, check_output, write_sequence
 from seaglint.store.writers import Share
 from seaglint.studies.build import scenario_physics
-from seaglint.studies.build.scenario_physics import bending, require_standard_refraction
+from seaglint.studies.build.scenario_physics import Lights, bending, light_attributes, lights, require_standard_refraction
 from seaglint.studies.build.waves_and_slopes import slopes
 from seaglint.studies.sequence.memory import require_memory
 from seaglint.studies.sequence.out_of_view import report_out_of_view
@@ -109,13 +108,13 @@ def prepared_frames(settings: tuple[Scenario, range | None]) -> tuple[Layout, Fr
 
 
 class MovingSun:
-    """Scenes of one sea under the moving Sun, prepared when a frame needs them; the latest is cached.
+    """Scenes of one sea under the moving Sun and Moon, prepared when a frame needs them; the latest is cached.
 
     A scene is a function of the requested time alone, so that any frame is equal in any part of its sequence. Waves and seed do not change
     after the start.
     """
 
-    def __init__(self, scenario: Scenario, prepared: Callable[[SunPosition], Scene]) -> None:
+    def __init__(self, scenario: Scenario, prepared: Callable[[Lights], Scene]) -> None:
         self._scenario, self._prepared = scenario, prepared
         self._latest: tuple[int, Scene] | None = None
 
@@ -128,12 +127,12 @@ class MovingSun:
         latest = self._latest
         if latest is None or latest[0] != step:
             with single_threaded_algebra():  # as at the start: the bytes do not depend on threads
-                latest = self._latest = (step, self._prepared(sun_position(self._scenario, step)))
+                latest = self._latest = (step, self._prepared(lights(self._scenario, step)))
         return latest[1]
 
     def reseeded(self, seed: int) -> MovingSun:
         """Return the scenes of another realisation of the sea."""
-        return MovingSun(self._scenario, lambda sun: self._prepared(sun).reseeded(seed))
+        return MovingSun(self._scenario, lambda shining: self._prepared(shining).reseeded(seed))
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,8 +293,8 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool, finer: in
         shift = None if bent is None else RowShift.of(bent, camera)
         grid = camera if shift is None else shift.standard
 
-        def prepared(sun: SunPosition) -> Scene:
-            view = scenario_physics.under(first, sun)
+        def prepared(shining: Lights) -> Scene:
+            view = scenario_physics.under(first, shining)
             scene = SweptScene.prepare(
                 view, grid, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times, breaking=breaking
             )
@@ -307,15 +306,15 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool, finer: in
         track = scenario_physics.track(scenario, sea.waves)
         breaking = scenario_physics.breaking_waves(scenario, sea.waves)
 
-        def prepared(sun: SunPosition) -> Scene:
+        def prepared(shining: Lights) -> Scene:
             def view(height: float) -> SeaView:
-                return scenario_physics.under(at(height), sun)
+                return scenario_physics.under(at(height), shining)
 
             return TurnedScene.prepare(
                 view, imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles, finer=times, breaking=breaking
             )
 
-    scene = prepared(sun_position(scenario))
+    scene = prepared(lights(scenario))
     view = scene.view
     objects = SceneObjects.of(bodies_of(scenario), sea.waves, shadows=scenario.render.object_shadows)
     places = poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
@@ -341,8 +340,7 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool, finer: in
             **sea.report,
             **scene.report,
             **({"platform_track": hashlib.sha256(track.time.tobytes() + track.values.tobytes()).hexdigest()} if track.moves else {}),
-            solar_zenith_deg=math.degrees(view.solar_zenith),
-            solar_azimuth_deg=math.degrees(view.solar_azimuth),
+            **light_attributes(scenario),
             atmosphere_table=scenario_physics.atmosphere_provenance(view.atmosphere),
         ),
     )

@@ -27,7 +27,7 @@ from seaglint.radiance.mean_radiance import SeaLines
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.atmosphere_table import FileAtmosphere
-from seaglint.scenario.sun import SunPosition, sun_position
+from seaglint.scenario.sun import sun_position
 from seaglint.store.provenance import band_attributes
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.scenario_physics import require_standard_refraction
@@ -74,14 +74,14 @@ class SharedView:
     _surface: SeaSurface | None = None
     _lines: dict[Any, SeaLines] = field(default_factory=dict)
 
-    def under(self, sun: SunPosition) -> SeaView:
-        """Return the view under a Sun."""
-        return scenario_physics.under(self.view, sun)
+    def under(self, scenario: Scenario) -> SeaView:
+        """Return the view under Sun and Moon of a scenario."""
+        return scenario_physics.under(self.view, scenario_physics.lights(scenario))
 
     def lines(self, view: SeaView, elevation: FloatArray, azimuth: FloatArray) -> SeaLines:
         """Return lines of sight of ``under`` at elevations and azimuths [rad]."""
         # Lines depend on directions and slopes, not on the Sun.
-        key = (elevation.tobytes(), azimuth.tobytes(), view.hiding.law_bands(view.slopes))
+        key = (elevation.tobytes(), azimuth.tobytes(), view.lights[0].hiding.law_bands(view.slopes))
         if key not in self._lines:
             if self._surface is None:
                 self._surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, view.in_band.grid)
@@ -135,7 +135,7 @@ def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     require_standard_refraction(scenario)
     pose, imager = scenario_physics.track(scenario).at(0.0), scenario_physics.imager(scenario)
     shared = shared_view(scenario, pose.height)
-    view = shared.under(sun_position(scenario))
+    view = shared.under(scenario)
     elevation = at.elevations(pose.height)
     azimuth = np.array([pose.attitude.azimuth]) if at.azimuth_deg is None else np.radians(np.array(at.azimuth_deg))
     if scenario.mean.mode == "article":
