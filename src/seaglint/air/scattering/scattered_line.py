@@ -122,9 +122,8 @@ def _settled_zenith(laws: Laws, z: float, zenith: float, apparent: float, work: 
     for n in range(_STEPS):
         off = zenith - max(sun_amounts(laws, z, min(apparent, grazing), work, work[0, :0]), 0.0) - apparent
         # secant: bending grows with the zenith angle, so that the difference falls by 1 to 3 per angle
-        step = (
-            off if n == 0 else min(max(off * (before - apparent) / (off - off_before), -abs(off)), abs(off)) if off != off_before else 0.0
-        )
+        step = off if n == 0 or off == off_before else off * (before - apparent) / (off - off_before)
+        step = min(max(step, -abs(off)), abs(off))
         before, off_before = apparent, off
         apparent += step
         if abs(step) < _SETTLED:

@@ -79,7 +79,7 @@ _DARKEST: Final = 1e-7
 #: Columns of the tables at which twilight is computed, denser near the Sun.
 _TWILIGHT_COLUMNS: Final = (0, 1, 2, 4, 6, 8, 11, 14, 16)
 
-#: Largest step between computed Suns in twilight [rad], and the part of their height above the horizon by which higher ones are farther apart.
+#: Largest step between computed Suns in twilight [rad], and its growth with their height above the horizon.
 _SUN_STEP, _SUN_GROWTH = math.radians(0.5), 0.5
 
 _HIGH_SUN, _LOW_SUN = np.radians((60.0, 80.0))
@@ -407,7 +407,7 @@ def _sun_range(solar_zenith: float, turn: float) -> tuple[float, float]:
 
 
 def _sun_nodes(first: float, last: float) -> tuple[FloatArray, FloatArray]:
-    """Suns that are computed in a range of zenith angles [rad], denser for a low Sun: their places, from 0 to 1, and zenith angles [rad]."""
+    """Suns that are computed in a range of zenith angles [rad], denser for a low Sun: places from 0 to 1, and zenith angles [rad]."""
     if last <= LOWEST_SUN:
         t = np.linspace(0.0, 1.0, 3 if last - first < _SMALL_TURN else _SUNS)
         return 1.0 - (1.0 - t) ** 2, last - (last - first) * (1.0 - t) ** 2

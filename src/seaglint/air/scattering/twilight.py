@@ -8,12 +8,11 @@ place with the Sun ``delta`` below the horizontal, without refraction, the shado
 
 (35 km at 6 deg), and lines towards the Sun leave it first. What is added here are two functions of the Sun's zenith angle:
 
-- ``refined``: how far the direction of the refracted Sun at a place is iterated. By day one step as in LOWTRAN7 suffices; rays that graze the
-  Earth are bent twice, and one step would make twilight brighter by a tenth to a half.
+- ``refined``: how far the direction of the refracted Sun at a place is iterated. By day one step as in LOWTRAN7 suffices; rays that graze
+  the Earth are bent twice, and one step would make twilight brighter by a tenth to a half.
 - ``fading``: weight with which the light ends smoothly between 5 and 6 deg below the horizon, where it is far below the thermal radiance.
 
-Light scattered more than once is left out. It prevails in the visible beyond some 5 deg (Rozenberg 1966), where the single scattering of
-molecules falls off; at 3-5 um molecules scatter a hundredth to a thousandth as much, and the second scattering is small with it.
+Light scattered more than once is left out, and so is light from clouds.
 
 References
 ----------
