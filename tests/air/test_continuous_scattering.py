@@ -14,6 +14,7 @@ from seaglint.air.scattering.gas_bands import GasBands
 from seaglint.air.scattering.lowtran_ray import MOLECULES, WORK_ROWS, trace
 from seaglint.air.scattering.scattered_line import KINDS, _empty_line, local_zenith, optical_depths, sun_seen
 from seaglint.air.scattering.scattering_laws import SpectralLaws, scattering_angle
+from seaglint.air.scattering.twilight import refined
 from seaglint.formats.lowtran.deck import MODELS
 
 WITHIN = 0.02  # the worst of 180 random lines is 1.2 % off
@@ -60,7 +61,7 @@ def test_light_between_points_is_its_logarithmic_mean(sun):
     light, seen = np.zeros((points, channels)), np.zeros(points)
     for j in range(points):
         place = local_zenith(np.radians(sun), azimuth, line.arc[j])
-        seen[j] = sun_seen(laws, line.height[j], place, work, whole)
+        seen[j] = sun_seen(laws, line.height[j], place, work, whole, refined(np.radians(sun)))
         if seen[j] > 0.0:
             optical_depths(laws, whole + line.amount[j], depth)
             light[j] = seen[j] * np.exp(-depth)

@@ -71,13 +71,16 @@ def file_air_scenario(path, zenith):
 
 def test_another_sun_is_refused(tmp_path):
     path = write_atmosphere(scattered_columns(), tmp_path / "a.nc")
-    for zenith in (76.0, 76.05, 95.0):  # one below the horizontal scatters nothing
+    for zenith in (76.0, 76.05, 96.1):  # one 6 deg below the horizon scatters nothing
         wanted = file_air_scenario(path, zenith)
         assert scenario_physics.atmosphere(wanted, scenario_physics.band(wanted)).scattered is not None
     wanted = file_air_scenario(path, 70.0)
     with pytest.raises(DomainError, match=r"solar zenith = 70 deg: .*a\.nc holds scattered sunlight of a Sun at 76 deg only") as caught:
         scenario_physics.atmosphere(wanted, scenario_physics.band(wanted))
     assert caught.value.name == "solar_zenith"
+    wanted = file_air_scenario(path, 93.0)  # twilight is of its own Sun
+    with pytest.raises(DomainError, match=r"solar zenith = 93 deg: .*a\.nc holds scattered sunlight of a Sun at 76 deg only"):
+        scenario_physics.atmosphere(wanted, scenario_physics.band(wanted))
 
 
 MISTAKES = [

@@ -202,7 +202,7 @@ def test_dark_air_costs_nothing(air, band):
 def test_a_sun_below_the_horizon_adds_nothing_and_goes_without_a_step():
     eye = camera(30.0, 4.0, -6.0, 60, azimuth=10.0, width=10.0, columns=5)
     slopes, added = cox_munk_isotropic(7.0), []
-    for sun_zenith in np.arange(89.5, 91.01, 0.1):
+    for sun_zenith in (*np.arange(89.5, 91.01, 0.1), 96.5):
         (lit, dark), _ = pair(7.0, slopes, eye, sun_zenith)
         added.append(float(np.mean(lit.radiance - dark.radiance)))
     assert added[-1] == 0.0

@@ -124,7 +124,7 @@ def test_the_article_and_the_night_have_none(change):
 
 @pytest.mark.validation
 def test_day_passes_into_night_without_a_jump():
-    zeniths = np.radians(np.arange(89.0, 91.0, 0.05))
+    zeniths = np.radians([*np.arange(89.0, 91.0, 0.1), 91.5, 92.0, 93.0, 95.0, 96.5])
     lines = np.radians([0.5, -3.0]), np.array([0.3])
     found = []
     for zenith in zeniths:
@@ -133,4 +133,4 @@ def test_day_passes_into_night_without_a_jump():
     steps = np.abs(np.diff(np.array(found), axis=0)).max(axis=0)
     assert found[0].min() > 0.0
     assert not found[-1].any()
-    assert np.all(steps < 0.15 * found[0])
+    assert np.all(steps < 0.2 * found[0])

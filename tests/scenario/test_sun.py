@@ -89,8 +89,16 @@ def test_places_of_dates_are_on_the_open_atlantic(zenith, azimuth):
     assert abs(latitude) < 67.0
 
 
-@pytest.mark.parametrize("zenith", [90.3, 90.5, 90.7])
-def test_a_sun_that_is_never_seen_is_as_near_as_the_end_of_refraction(zenith):
-    # Refraction lifts the last Sun from 90.83 to 90.22 deg; 0.02 deg for the margin at that end.
+@pytest.mark.parametrize("zenith", [90.3, 90.5, 90.7, 92.0, 95.8])
+def test_a_sun_that_has_set_keeps_its_refraction(zenith):
     angle, _ = beside(zenith, 200.0)
-    assert angle == pytest.approx(min(zenith - 90.217, 90.833 - zenith), abs=0.02)
+    assert angle < NEAREST
+
+
+def test_the_sun_sets_without_a_step_of_its_zenith_angle():
+    """A minute moves the Sun by a quarter of a degree; refraction ends with twilight, where it has no light any more."""
+    zenith = np.degrees([at(f"2026-03-20T{18 + m // 60}:{m % 60:02d}:00Z", 0.0, 0.0).zenith for m in range(5, 40)])
+    twilight = zenith[zenith < 95.9]
+    assert twilight.size > 20
+    assert np.diff(twilight) == pytest.approx(0.25, abs=0.06)
+    assert zenith[-1] > 97.0

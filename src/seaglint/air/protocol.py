@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.air.coordinates import lowest_height
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.constants import DARK_SUN, EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
@@ -60,14 +60,14 @@ class ScatteredSamples:
     skies: tuple[ScatteredSky, ...] = ()  #: Skies at the sea (height 0) and at the sensor, as far as known.
 
     def require_sun(self, solar_zenith: float, name: str) -> None:
-        """Refuse a Sun other than the one of the samples; one below the horizontal scatters nothing and is allowed.
+        """Refuse a Sun other than the one of the samples; one that is 6 deg below the horizon scatters nothing and is allowed.
 
         Raises
         ------
         DomainError
             The message names both zenith angles.
         """
-        if solar_zenith <= 0.5 * np.pi and abs(solar_zenith - self.solar_zenith) > SAME_SUN:
+        if solar_zenith < DARK_SUN and abs(solar_zenith - self.solar_zenith) > SAME_SUN:
             given, sampled = np.degrees(solar_zenith), np.degrees(self.solar_zenith)
             raise DomainError(
                 f"solar zenith = {given:.4g} deg: {name} holds scattered sunlight of a Sun at {sampled:.4g} deg only (within 0.1 deg); "

@@ -180,7 +180,7 @@ def scattered(
 ) -> xr.Dataset:
     """Sunlight scattered into paths to the sea and the clear sky.
 
-    Single scattering as LOWTRAN7's, Sun at 1 au; a Sun below the horizon scatters nothing.
+    Single scattering as LOWTRAN7's, Sun at 1 au; a Sun 6 deg below the horizon scatters nothing.
 
     Parameters
     ----------

@@ -109,7 +109,7 @@ def scattered(cases: CasesFile, output: Output, request: AirRequest, show: LateP
     Columns needed: kind (path or sky), atmosphere (a model's name), wind_speed_m_s, sensor_height_m (0 for sky seen from the sea),
     elevation_deg (of the refracted ray at the sensor; below 0 for paths, which must end on the sea), azimuth_from_sun_deg,
     solar_zenith_deg (at the sensor, without refraction). Columns made, per band: scattered_W_m2_sr, thermal_W_m2_sr. Single scattering
-    as LOWTRAN7's, Sun at 1 au; a Sun below the horizon scatters nothing.
+    as LOWTRAN7's, Sun at 1 au; a Sun 6 deg below the horizon scatters nothing.
     """
     _one_thread()
     from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands

@@ -17,8 +17,6 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from seaglint.air.scattering.scattered_light import ScatteredTable, amplitudes_at
-from seaglint.air.sun_and_sky import visible_part_kernel
-from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_range, view_zenith_of_range
 from seaglint.base.jit import in_threads, kernel, njit
 from seaglint.facet.path_basis import PathBasis
@@ -99,8 +97,7 @@ def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, Float
     ``weights``: quadrature weights of the band [cm-1, (n,)].
     """
     suns, _, columns, count, spectra = table.amplitude.shape
-    # the whole disc: the share above a place's horizon is applied at the place
-    first, per_radian = table.suns if suns > 1 else (min(table.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS), 0.0)
+    first, per_radian = table.suns if suns > 1 else (table.solar_zenith, 0.0)
     zenith = first + np.arange(suns) / per_radian if suns > 1 else np.array([first])
     elevation = np.arcsin(np.linspace(0.0, 1.0, ELEVATIONS) ** 2)
     half = np.linspace(0.0, 1.0, ANGLES)
@@ -283,17 +280,14 @@ def fill_line(facets: HazyFacets, rough: Roughness, lines: Lines, u: int, x: int
     zenith = math.acos(min(max(sun[2], -1.0), 1.0))
     first, per_radian = facets.sky.sun
     t = min(max((zenith - first) * per_radian, 0.0), facets.sky.shares.shape[0] - 1.0)
-    up = visible_part_kernel(0.5 * math.pi - zenith)[0]
     # variance along the view, and across it before the lean is removed
     variance, across = along(rough, east, north), along(rough, north, -east)
     out[:] = 0.0
-    if up <= 0.0:
-        return
     na, nc = lines.along.shape[0], lines.across.shape[0]
     if variance <= 0.0:
         for i in range(na):
             for c in range(nc):
-                add_haze(facets, sun, sight, (lines.along[i], lines.across[c]), t, up, out[i, c])
+                add_haze(facets, sun, sight, (lines.along[i], lines.across[c]), t, 1.0, out[i, c])
         return
     mixed = rough.east_east * east * north + rough.east_north * (north * north - east * east) - rough.north_north * north * east
     sigma = max(math.sqrt(variance), SMOOTHEST)
@@ -319,7 +313,7 @@ def fill_line(facets: HazyFacets, rough: Roughness, lines: Lines, u: int, x: int
         for n in range(6 * panels):
             a = low + width * (n // 6 + 0.5 + 0.5 * NODES[n % 6])
             one[:] = 0.0
-            add_haze(facets, sun, sight, (a, d * step + lean * a), t, 0.5 * width * WEIGHTS[n % 6] * up, one)
+            add_haze(facets, sun, sight, (a, d * step + lean * a), t, 0.5 * width * WEIGHTS[n % 6], one)
             for i in range(na):
                 if abs(a - tilts[i]) <= REACH * sigma:
                     share = visible(rough, sight, a, tilts[i], sigma)

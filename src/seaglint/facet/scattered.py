@@ -24,7 +24,6 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from seaglint.air.scattering.scattered_light import ScatteredTable, path_map, scattered_shares, shares_at, sky_map, sky_row
-from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import in_threads, kernel, njit
@@ -195,7 +194,7 @@ def _fill_mirrored(
             for j in range(moments.shape[0]):
                 for r in range(moments.shape[1]):
                     total += moments[j, r] * sums[row, j, r]
-            out[row, column] = total * visible_part_kernel(0.5 * math.pi - zenith)[0]
+            out[row, column] = total
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,7 +273,7 @@ class ScatteredSun:
         count = table.amplitude.shape[0] if per_rad > 0.0 else 1
         suns = first + np.arange(count) / (per_rad if per_rad > 0.0 else 1.0)
         sky = np.empty((count, _ELEVATIONS, _AZIMUTHS, table.amplitude.shape[4]))
-        _fill_sky(table._replace(sets=False), suns, sky)
+        _fill_sky(table, suns, sky)
         sun = np.array([view.solar_zenith, view.solar_azimuth, first, per_rad])
         return cls(view, reflectance(), _facets_of(view), sky, sun, view.sun_distance_factor * table.spectral)
 

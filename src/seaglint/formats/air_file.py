@@ -53,6 +53,8 @@ AZIMUTH: Final = "azimuth_from_sun_deg"
 
 SUN: Final = "solar_zenith_deg"
 
+MOST_SUN_DEG: Final = 96.0  #: Largest zenith angle of a Sun whose light the air scatters [deg].
+
 KINDS: Final = {"path-scattered": "path", "sky-scattered": "sky"}  #: Kinds of lines of a CSV file, and the kind whose nodes they share.
 
 SCATTERED_COLUMNS: Final = (AZIMUTH, SUN)
@@ -93,8 +95,8 @@ def blocks_of_dataset(path: Path, dataset: Any, height: float) -> tuple[float | 
         zenith = float(np.asarray(solar, dtype=np.float64).item())
     except (TypeError, ValueError):
         zenith = np.nan
-    if not 0.0 <= zenith <= 90.0:
-        raise DataError(f"{path}: {present[0]} needs the attribute {SUN}, the zenith angle of its Sun within 0 to 90; add it")
+    if not 0.0 <= zenith <= MOST_SUN_DEG:
+        raise DataError(f"{path}: {present[0]} needs the attribute {SUN}, the zenith angle of its Sun within 0 to {MOST_SUN_DEG:g}; add it")
     azimuth = _azimuths(path, dataset)
     out = []
     for name in present:
@@ -152,7 +154,11 @@ class ScatteredRows:
             Another Sun than the lines before, or a place given twice.
         """
         self.table.require_columns(*SCATTERED_COLUMNS)
-        azimuth, solar, line = self.table.number(row, AZIMUTH, 0.0, 180.0), self.table.number(row, SUN, 0.0, 90.0), self.table.lines[row]
+        azimuth, solar, line = (
+            self.table.number(row, AZIMUTH, 0.0, 180.0),
+            self.table.number(row, SUN, 0.0, MOST_SUN_DEG),
+            self.table.lines[row],
+        )
         if self.solar is not None and solar != self.solar:
             raise self.table.error(line, f"{SUN} = {solar:g}, {self.solar:g} before; leave the lines of one Sun")
         self.solar = solar

@@ -17,7 +17,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.base.constants import DARK_SUN, SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel
@@ -67,7 +67,7 @@ def sun_in_sky(view: SeaView, top: float = 0.5 * math.pi) -> SunInSky:
     table, elevation = view.scattered.sky, 0.5 * math.pi - zenith
     if not is_dark(table):
         # refraction between the sea and the sensor
-        elevation += min(view.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS) - table.solar_zenith
+        elevation += min(view.solar_zenith, DARK_SUN) - table.solar_zenith
     dip = horizon_depression(view.sensor_height)
     if elevation + disc.radius <= -dip or elevation - disc.radius > top + _ROUNDING:
         return NO_SUN

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
+from seaglint.scenario.sun import seen_elevation
 
 _YEAR: Final = 2026  #: Year of the dates that ``dated_sun`` chooses.
 
@@ -35,8 +36,8 @@ def dated_sun(zenith: float, azimuth: float) -> tuple[datetime, float, float]:
 
     Notes
     -----
-    Every direction is reached within 0.01 degree, except for zenith angles between 90.22 and 90.83 degrees: the refraction of
-    ``sun_position`` is zero where the Sun is entirely below the horizon, so that its centre is never seen there.
+    Every direction is reached within 0.01 degree, except for zenith angles between 96 and 96.62 degrees: the refraction of ``sun_position``
+    ends with twilight, so that its centre is never seen there.
 
     Examples
     --------
@@ -53,13 +54,9 @@ def dated_sun(zenith: float, azimuth: float) -> tuple[datetime, float, float]:
 
 def _without_refraction(zenith: float) -> float:
     """Return the zenith angle without refraction of a Sun that is seen at a zenith angle, or the nearest that is seen [rad]."""
-    from pvlib.spa import atmospheric_refraction_correction
-
-    # The air of get_solarposition: 1013.25 hPa, 12 degC, and 0.5667 degrees of refraction at the horizon. It lifts by at most 0.62 degrees.
+    # Refraction lifts by at most 0.62 degrees.
     elevation = 90.0 - math.degrees(zenith) - np.linspace(0.0, 0.7, 7001)
-    seen = elevation + atmospheric_refraction_correction(1013.25, 12.0, elevation, 0.5667)
-    # Near the end of refraction the parallax of a place, 0.0024 degrees, would decide whether there is any.
-    seen[np.abs(elevation + 0.26667 + 0.5667) < 0.006] = np.inf
+    seen = seen_elevation(elevation)
     return math.radians(90.0 - float(elevation[np.argmin(np.abs(seen - 90.0 + math.degrees(zenith)))]))
 
 

@@ -7,6 +7,10 @@ from dataclasses import dataclass
 from datetime import timedelta
 from typing import Final
 
+import numpy as np
+
+from seaglint.base.constants import DARK_SUN
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.model import Scenario
 
@@ -43,6 +47,25 @@ def sun_step(scenario: Scenario, time: float) -> int:
     return 0 if scenario.sun is not None else math.floor(time / SUN_STEP_TIME)
 
 
+#: Air of pvlib for refraction [hPa], [degC], its refraction at the horizon [deg], and the elevation below which pvlib has none [deg].
+_AIR: Final = (1013.25, 12.0)
+_RISE: Final = 0.5667
+_SET: Final = -(0.26667 + _RISE)
+
+
+def seen_elevation(elevation: FloatArray) -> FloatArray:
+    """Return the elevation of the Sun with refraction [deg], from the elevation without it [deg].
+
+    A Sun that has set keeps the refraction of the moment, to the end of twilight: its scattered light has no step.
+    """
+    from pvlib.spa import atmospheric_refraction_correction
+
+    seen = elevation + atmospheric_refraction_correction(*_AIR, elevation, _RISE)
+    lifted = elevation + atmospheric_refraction_correction(*_AIR, np.array(_SET), _RISE)
+    twilight = (elevation < _SET) & (lifted > 90.0 - math.degrees(DARK_SUN))
+    return np.asarray(np.where(twilight, lifted, seen))
+
+
 def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
     """Return direction and distance of the Sun at the scenario's first frame, or at the beginning of a later step (``sun_step``).
 
@@ -67,4 +90,7 @@ def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
     times = pd.DatetimeIndex([scenario.time.utc + timedelta(seconds=step * SUN_STEP_TIME)])
     angles = solarposition.get_solarposition(times, scenario.place.latitude_deg, scenario.place.longitude_deg, method="nrel_numpy")
     distance = float(solarposition.nrel_earthsun_distance(times).iloc[0])
-    return SunPosition(math.radians(float(angles["apparent_zenith"].iloc[0])), math.radians(float(angles["azimuth"].iloc[0])), distance)
+    zenith, elevation = float(angles["apparent_zenith"].iloc[0]), float(angles["elevation"].iloc[0])
+    if elevation < _SET:
+        zenith = 90.0 - float(seen_elevation(np.array(elevation)))
+    return SunPosition(math.radians(zenith), math.radians(float(angles["azimuth"].iloc[0])), distance)

@@ -19,6 +19,7 @@ from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.protocol import slant_range, wavenumber_grid
 from seaglint.air.scattering.scattered_tables import ScatteredLight, scattered_in
 from seaglint.air.sun_and_sky import grazing_share
+from seaglint.base.constants import DARK_SUN
 from seaglint.base.conventions import FloatArray, horizon_depression, horizon_range
 from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.base.limits import LOWTRAN_HEIGHTS
@@ -92,7 +93,7 @@ def export_air(scenario: Scenario) -> xr.Dataset:
     azimuths = {}
     sun = sun_position(scenario).zenith
     light = scattered_in(air, slice(0, air.wavenumber_cm.size), np.ones(air.wavenumber_cm.size), height, sun)
-    if isinstance(light, ScatteredLight) and not light.is_dark and sun < 0.5 * np.pi and scenario_physics.scatters(scenario):
+    if isinstance(light, ScatteredLight) and not light.is_dark and sun < DARK_SUN and scenario_physics.scatters(scenario):
         azimuth = np.radians(AZIMUTHS)
         lit = {
             "path_scattered": ("range_m", light.path_spectra(arc, azimuth)),

@@ -32,7 +32,7 @@ from seaglint.air.scattering.scattering_laws import (
     grid_of,
     scattering_angle,
 )
-from seaglint.air.sun_and_sky import visible_part_kernel
+from seaglint.air.scattering.twilight import fading
 from seaglint.base.conventions import FloatArray
 from seaglint.base.limits import NAVY_AEROSOL_WIND
 from seaglint.optics.band import Band
@@ -228,7 +228,7 @@ def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band], *, con
     """Scattered radiance of cases in bands, Sun at 1 au [W m-2 sr-1, (cases,)], in LOWTRAN7's layers or continuous, with its band laws.
 
     ``lines`` [(cases, 5)]: wind [m s-1], height [m], then elevation, azimuth from the Sun and the Sun's zenith angle without refraction at
-    the sensor [rad]. A disc cut by the sea's horizon counts by its visible share; a Sun below the horizon scatters nothing.
+    the sensor [rad]. Below the horizon the Sun scatters as in ``seaglint.air.scattering.twilight``.
     """
     if not bands:
         return []
@@ -258,7 +258,7 @@ def _case_spectrum(table: Scatterers, line: FloatArray) -> FloatArray:
     """Spectrum of scattered sunlight of one case [W m-2 sr-1 per cm-1, (n,)]."""
     wind, height, elevation, azimuth, zenith = (float(x) for x in line)
     air = table.with_haze(maritime(wind))
-    share = visible_part_kernel(0.5 * math.pi - float(air.apparent_zenith(zenith)))[0]
+    share = fading(float(air.apparent_zenith(zenith)))
     if share <= 0.0:
         return np.zeros(air.source.size)
     view = 0.5 * math.pi - elevation

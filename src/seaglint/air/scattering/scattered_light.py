@@ -32,7 +32,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.air.coordinates import ELEVATION_SCALE
-from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import in_threads, kernel, njit
@@ -45,8 +44,7 @@ class ScatteredTable(NamedTuple):
     angle, rows and even steps of the cosine of azimuth; ``spectral[r, n]``: spectral shapes [W m-2 sr-1 per cm-1], or a single 1 for
     radiance in band. Rows are counted by ``sky_row`` (``dip_rows`` of them below the horizontal, down to ``dip`` [rad]) or
     ``path_row`` (``longest`` slant path [m]). ``solar_zenith`` [rad] is the Sun's apparent one at the sensor, or at its foot for sky
-    over the sea. Only there the Sun differs between places: ``suns`` is the first zenith angle and t per rad of it, and ``sets`` is true if
-    the share of the disc above the place's horizon has still to be applied.
+    over the sea. Only there the Sun differs between places: ``suns`` is the first zenith angle and t per rad of it.
     """
 
     angular: np.ndarray
@@ -54,7 +52,6 @@ class ScatteredTable(NamedTuple):
     spectral: np.ndarray
     solar_zenith: float
     suns: tuple[float, float]
-    sets: bool
     height: float
     longest: float
     dip: float
@@ -62,7 +59,7 @@ class ScatteredTable(NamedTuple):
 
 
 #: Table of air that scatters nothing.
-DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
+DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), 1.0, 2.0, 1.0, 0)
 
 
 @kernel
@@ -130,12 +127,11 @@ def share_at(row: float, elevation: float, azimuth: float, solar_zenith: float, 
     """Share of one spectral shape at a row; azimuth is counted from the Sun, ``solar_zenith`` is the Sun's apparent one [rad]."""
     i, f = angle_node(elevation, azimuth, solar_zenith, table)
     node = node_at(row, azimuth, solar_zenith, table)
-    up = visible_part_kernel(0.5 * math.pi - solar_zenith)[0] if table.sets else 1.0
     total = 0.0
     for k in range(table.angular.shape[1]):
         phase = (1.0 - f) * table.angular[i, k] + f * table.angular[i + 1, k]
         total += phase * term_at(node, table, k, r)
-    return float(up * total)
+    return float(total)
 
 
 @kernel
@@ -143,15 +139,12 @@ def shares_at(row: float, elevation: float, azimuth: float, solar_zenith: float,
     """Compute ``share_at`` of all spectral shapes ``out[r]``: the nodes around are looked up once."""
     i, f = angle_node(elevation, azimuth, solar_zenith, table)
     node = node_at(row, azimuth, solar_zenith, table)
-    up = visible_part_kernel(0.5 * math.pi - solar_zenith)[0] if table.sets else 1.0
     for r in range(out.shape[0]):
         out[r] = 0.0
     for k in range(table.angular.shape[1]):
         phase = (1.0 - f) * table.angular[i, k] + f * table.angular[i + 1, k]
         for r in range(out.shape[0]):
             out[r] += phase * term_at(node, table, k, r)
-    for r in range(out.shape[0]):
-        out[r] *= up
 
 
 @kernel

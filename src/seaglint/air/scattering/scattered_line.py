@@ -36,6 +36,7 @@ from seaglint.air.scattering.lowtran_ray import (
     sun_amounts,
     trace,
 )
+from seaglint.air.scattering.twilight import refined
 from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.jit import njit
 
@@ -45,6 +46,9 @@ KINDS: Final = 8
 HUMIDITIES: Final = (0.0, 70.0, 80.0, 99.0)  #: Relative humidities of the tabulated phase functions of the boundary layer [%].
 
 _GRAZING: Final = 1e-7  #: Tolerance within which rays count as touching the sea [rad].
+
+#: Largest number of iterations of a ray's direction, and the step at which they end [rad]: a thousandth of the light at most.
+_STEPS, _SETTLED = 6, 1e-5
 
 
 class SunwardTable(NamedTuple):
@@ -111,21 +115,46 @@ def apparent_zenith(laws: Laws, z: float, zenith: float, work: np.ndarray) -> fl
 
 
 @njit
-def sun_seen(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
-    """Share of the solar disc above the horizon at a point, and in ``out`` the amounts towards it; ``zenith`` without refraction [rad]."""
+def _settled_zenith(laws: Laws, z: float, zenith: float, apparent: float, work: np.ndarray) -> float:
+    """Apparent zenith angle of the Sun as ``apparent_zenith``, whose result ``apparent`` is iterated until the ray leads to the Sun."""
+    grazing = horizon_zenith(laws, z) - _GRAZING
+    before, off_before = 0.0, 0.0
+    for n in range(_STEPS):
+        off = zenith - max(sun_amounts(laws, z, min(apparent, grazing), work, work[0, :0]), 0.0) - apparent
+        # secant: bending grows with the zenith angle, so that the difference falls by 1 to 3 per angle
+        step = off if n == 0 or off == off_before else off * (before - apparent) / (off - off_before)
+        step = min(max(step, -abs(off)), abs(off))
+        before, off_before = apparent, off
+        apparent += step
+        if abs(step) < _SETTLED:
+            break
+    return apparent
+
+
+@njit
+def sun_seen(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndarray, settled: float = 0.0) -> float:
+    """Share of the solar disc above the horizon at a point, and in ``out`` the amounts towards it; ``zenith`` without refraction [rad].
+
+    ``settled``: weight of the iterated direction of the ray, beside the single step of ``apparent_zenith`` [1].
+    """
     apparent = apparent_zenith(laws, z, zenith, work)
     horizon = horizon_zenith(laws, z)
     share = visible_part_kernel(horizon - apparent)[0]
+    if settled > 0.0 and share > 0.0:  # the single step bends too much: what it leaves dark stays dark
+        apparent += settled * (_settled_zenith(laws, z, zenith, apparent, work) - apparent)
+        share = visible_part_kernel(horizon - apparent)[0]
     if share > 0.0 and sun_amounts(laws, z, min(apparent, horizon - _GRAZING), work, out) < 0.0:
         return 0.0
     return float(share)
 
 
 @njit
-def sun_by_table(laws: Laws, table: SunwardTable, j: int, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
+def sun_by_table(
+    laws: Laws, table: SunwardTable, j: int, z: float, zenith: float, settled: float, work: np.ndarray, out: np.ndarray
+) -> float:
     """Compute ``sun_seen``, from the table where it has the j-th point's height and the Sun's zenith angle."""
     if j >= table.height.size or table.height[j] != z or zenith < table.first or zenith > table.last:
-        return sun_seen(laws, z, zenith, work, out)
+        return sun_seen(laws, z, zenith, work, out, settled)
     # Chebyshev polynomials by their recurrence, divided by the cosine with which the amounts were multiplied
     x = (2.0 * zenith - table.first - table.last) / (table.last - table.first)
     for k in range(out.size):
@@ -232,10 +261,10 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
     haze, molecules = np.ones((2, channels)), np.ones((2, channels))
     by_haze, by_molecules = np.zeros((2, channels)), np.zeros((2, channels))
     share = np.zeros((2, KINDS))
-    depth, fall = np.zeros(channels), np.zeros(channels)
+    depth, fall, settled = np.zeros(channels), np.zeros(channels), refined(sun[1])
     for j in range(points):
         this, previous = j % 2, 1 - j % 2
-        up = sun_seen(laws, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
+        up = sun_seen(laws, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole, settled)
         if up > 0.0:
             for k in range(columns):
                 whole[k] += line.amount[j, k]
@@ -284,10 +313,10 @@ def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, f
             out[c, i] = 0.0
     whole = work[WORK_ROWS - 1]
     light, depth, share = np.zeros((2, channels)), np.zeros((2, channels)), np.zeros(AEROSOLS)
-    seen, up_before = np.zeros(channels), 0.0
+    seen, up_before, settled = np.zeros(channels), 0.0, refined(sun[1])
     for j in range(points):
         this, previous = j % 2, 1 - j % 2
-        up = sun_by_table(laws, table, j, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
+        up = sun_by_table(laws, table, j, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), settled, work, whole)
         for i in range(channels):
             light[this, i] = 0.0
         if up > 0.0:

@@ -26,8 +26,9 @@ from seaglint.air.scattering.lowtran_ray import invariant_of
 from seaglint.air.scattering.scattered_light import DARK, ScatteredTable
 from seaglint.air.scattering.scattered_line import KINDS, horizon_zenith
 from seaglint.air.scattering.scattering_laws import ScatteringAir, scattering_angle
-from seaglint.air.sun_and_sky import grazing_coordinate, grazing_share, visible_part_kernel
-from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.air.scattering.twilight import LOWEST_SUN, fading
+from seaglint.air.sun_and_sky import grazing_coordinate, grazing_share
+from seaglint.base.constants import DARK_SUN
 from seaglint.base.conventions import FloatArray, depression_of_range, horizon_depression
 
 ANGLES: Final = 721
@@ -70,8 +71,16 @@ _SMALL_TURN: Final = np.radians(1.0)
 
 _ONE_SUN: Final = np.radians(0.1)  #: Largest difference of zenith angles that is treated as one Sun [rad].
 
-#: Apparent zenith angle of a Sun on the horizon [rad]; a setting Sun scatters like it, times the visible share of its disc.
-_LOWEST_SUN: Final = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
+#: Numbers of computed lines from the horizontal up and to the sea in twilight, whose light changes quickly at the Earth's shadow: it is
+#: interpolated linearly in its logarithm, above a floor relative to the brightest line.
+TWILIGHT_NODES: Final = 31
+_DARKEST: Final = 1e-7
+
+#: Columns of the tables at which twilight is computed, denser near the Sun.
+_TWILIGHT_COLUMNS: Final = (0, 1, 2, 4, 6, 8, 11, 14, 16)
+
+#: Largest step between computed Suns in twilight [rad], and its growth with their height above the horizon.
+_SUN_STEP, _SUN_GROWTH = math.radians(0.5), 0.5
 
 _HIGH_SUN, _LOW_SUN = np.radians((60.0, 80.0))
 
@@ -87,6 +96,7 @@ class _Computed(NamedTuple):
     spectral: FloatArray  #: Spectral shapes, as in the table.
     values: FloatArray  #: Sums at the nodes [(suns, nodes, azimuths, k, r)].
     azimuths: FloatArray  #: Azimuths from the Sun [rad].
+    twilit: bool  #: True if one of the Suns is cut by the horizon or below it.
 
 
 class _SeaLines(NamedTuple):
@@ -94,6 +104,7 @@ class _SeaLines(NamedTuple):
 
     lines: _Computed
     rows: FloatArray  #: Matrix from nodes to rows.
+    nodes: FloatArray  #: Places of the Suns between the first and the last [1], from 0 to 1.
     first: float
     last: float
 
@@ -197,7 +208,7 @@ class SampledLight:
         part = (place - low)[:, None]
         resampled = ((1.0 - part) * flat[low] + part * flat[np.minimum(low + 1, nodes.size - 1)]).reshape(rows.size, -1, FILE_COLUMNS)
         amplitude = (np.exp(resampled[:, :1]) * resampled[:, 1:]).transpose(0, 2, 1)[None, :, :, None, :]
-        return ScatteredTable(angular[:, None], np.ascontiguousarray(amplitude), np.ones((1, 1)), sun, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
+        return ScatteredTable(angular[:, None], np.ascontiguousarray(amplitude), np.ones((1, 1)), sun, (0.0, 0.0), 1.0, 2.0, 1.0, 0)
 
     @staticmethod
     def _angular(angle: FloatArray, size: FloatArray) -> FloatArray:
@@ -218,8 +229,8 @@ def scattered_in(
 ) -> ScatteredLight | SampledLight:
     """Return the scattered sunlight of a band in any atmosphere.
 
-    Vacuum and isothermal air scatter nothing, nor does air in 7.5-14 um, nor a Sun below the horizon of all places in view. Air from a
-    file has the scattered sunlight of the file.
+    Vacuum and isothermal air scatter nothing, nor does air in 7.5-14 um, nor a Sun 6 deg or more below the horizon of all places in
+    view. Air from a file has the scattered sunlight of the file.
 
     Parameters
     ----------
@@ -230,9 +241,9 @@ def scattered_in(
     height, solar_zenith, farthest_turn : float
         As for ``ScatteredLight``; ``seaglint.facet.sea_view.SeaView`` has all three.
     """
-    up = solar_zenith - farthest_turn < 0.5 * math.pi + SOLAR_ANGULAR_RADIUS
+    up = solar_zenith - farthest_turn < DARK_SUN
     samples = None if atmosphere is None else atmosphere.scattered
-    if up and samples is not None:
+    if samples is not None and solar_zenith < DARK_SUN:
         samples.require_sun(solar_zenith, "the file of air")
         return SampledLight(samples, grid, np.asarray(weights, dtype=np.float64), height)
     air = atmosphere.scattering(grid) if up and atmosphere is not None else None
@@ -253,8 +264,8 @@ class ScatteredLight:
 
     Notes
     -----
-    A disc that the horizon at the sensor's foot (for ``sea_sky``: at the place) cuts counts by the share above it; a Sun below it scatters
-    nothing, twilight is omitted. Against line by line sums the tables are within 0.3 % from the horizontal up and along paths.
+    Against line by line sums the tables are within 0.3 % from the horizontal up and along paths while the whole disc is above the horizon
+    of all places in view. From then on it is twilight, down to a Sun 6 deg below the horizon (``seaglint.air.scattering.twilight``).
     """
 
     air: ScatteringAir | None  #: Air on the band's channels; None if nothing scatters: the tables are then dark.
@@ -272,18 +283,19 @@ class ScatteredLight:
     @cached_property
     def path(self) -> ScatteredTable:
         """Table of scattered path radiance to the sea, in band [W m-2 sr-1]: one spectral shape, which is 1."""
-        if self.air is None:
+        if self.air is None or self._share == 0.0:
             return DARK
-        zenith, arcs, coordinate = _path_lines(self.air, self.height)
-        table = self._in_band(zenith, _splined(coordinate, np.linspace(0.0, 1.0, ROWS)))
+        twilit = self.solar_zenith > LOWEST_SUN
+        zenith, arcs, coordinate = _path_lines(self.air, self.height, TWILIGHT_NODES if twilit else PATH_NODES)
+        table = self._in_band(zenith, (_linear if twilit else _splined)(coordinate, np.linspace(0.0, 1.0, ROWS)))
         return table._replace(longest=float(slant_range(self.height, arcs[-1])))
 
     @cached_property
     def sky(self) -> ScatteredTable:
         """Table of the scattered sky above the sensor, in band [W m-2 sr-1]."""
-        if self.air is None:
+        if self.air is None or self._share == 0.0:
             return DARK
-        table = self._in_band(*_sky_lines(self.air, self.height))
+        table = self._in_band(*_sky_lines(self.air, self.height, twilit=self.solar_zenith > LOWEST_SUN))
         return table._replace(dip=horizon_depression(self.height), dip_rows=DIP_ROWS)
 
     @cached_property
@@ -299,17 +311,23 @@ class ScatteredLight:
         turn : float
             Largest turn of the vertical [rad].
         suns : int
-            Number of tabulated zenith angles of the Sun, 2: the ends of their range, 1: the Sun at the sensor's foot alone.
+            Number of tabulated zenith angles of the Sun, 2: the ends of their range, 1: the Sun at the sensor's foot alone. In twilight
+            there are more where there are several.
         """
         if self.air is None:
             return DARK._replace(spectral=np.zeros((1, self.weights.size)))
-        lines, rows, first, last = self._sea_lines if turn == self.farthest_turn else self._lines_within(turn)
+        lines, rows, nodes, first, last = self._sea_lines if turn == self.farthest_turn else self._lines_within(turn)
         if first == last:
-            return _table(lines, rows)._replace(solar_zenith=self.solar_zenith, sets=True)
+            table = _table(lines, rows)
+            return table._replace(amplitude=self._share * table.amplitude, solar_zenith=self.solar_zenith)
+        if lines.twilit and suns > 1:
+            suns = max(suns, math.ceil(2.0 * (last - first) / _SUN_STEP) + 1)
         at = np.linspace(0.0, 1.0, suns) if suns > 1 else np.clip([(self.solar_zenith - first) / (last - first)], 0.0, 1.0)
-        nodes = 1.0 - (1.0 - np.linspace(0.0, 1.0, len(lines.values))) ** 2
-        table = _table(lines, rows, _splined(nodes, at))
-        return table._replace(suns=(first, (suns - 1) / (last - first)), solar_zenith=self.solar_zenith, sets=True)
+        table = _table(lines, rows, (_linear if lines.twilit else _splined)(nodes, at))
+        if lines.twilit:
+            weights = np.array([fading(first + share * (last - first)) for share in at.tolist()])
+            table = table._replace(amplitude=weights[:, None, None, None, None] * table.amplitude)
+        return table._replace(suns=(first, (suns - 1) / (last - first)), solar_zenith=self.solar_zenith)
 
     @cached_property
     def _sea_lines(self) -> _SeaLines:
@@ -318,12 +336,14 @@ class ScatteredLight:
     def _lines_within(self, turn: float) -> _SeaLines:
         """Compute the lines for ``sea_sky_within``."""
         air = cast(ScatteringAir, self.air)
-        zenith, rows = _sky_lines(air, 0.0)
         first, last = _sun_range(self.solar_zenith, turn)
+        zenith, rows = _sky_lines(air, 0.0, twilit=last > LOWEST_SUN)
         if last - first <= _ONE_SUN:
-            return _SeaLines(_computed(air, None, 0.0, zenith, _azimuth_nodes(self.solar_zenith), [self._sun]), rows, 0.0, 0.0)
-        suns = [air.unrefracted_zenith(z) for z in _sun_nodes(first, last)]
-        return _SeaLines(_computed(air, None, 0.0, zenith, _azimuth_nodes(last), suns), rows, first, last)
+            lines = _computed(air, None, 0.0, zenith, max(self._apparent, last), [self._sun])
+            return _SeaLines(lines, rows, np.zeros(1), 0.0, 0.0)
+        nodes, zeniths = _sun_nodes(first, last)
+        suns = [air.unrefracted_zenith(z) for z in zeniths]
+        return _SeaLines(_computed(air, None, 0.0, zenith, last, suns), rows, nodes, first, last)
 
     def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
         """Scattered paths to the sea in band [W m-2 sr-1], line by line: arcs [m] (rows), azimuths from the Sun [rad] (columns)."""
@@ -356,7 +376,7 @@ class ScatteredLight:
 
     @property
     def _apparent(self) -> float:
-        return min(self.solar_zenith, _LOWEST_SUN)
+        return min(self.solar_zenith, DARK_SUN)
 
     @cached_property
     def _sun(self) -> float:
@@ -370,37 +390,47 @@ class ScatteredLight:
 
     @property
     def _share(self) -> float:
-        """Share of the solar disc above the horizon [1]."""
-        return float(visible_part_kernel(0.5 * math.pi - self.solar_zenith)[0])
+        """Weight of the light of a Sun that is as high as at the sensor's foot [1]."""
+        return fading(self.solar_zenith)
 
     def _in_band(self, zenith: FloatArray, rows: FloatArray) -> ScatteredTable:
         """Table in band for lines of sight from the sensor."""
         air = cast(ScatteringAir, self.air)
-        lines = _computed(air, self.weights[None], self.height, zenith, _azimuth_nodes(self.solar_zenith), [self._sun])
+        lines = _computed(air, self.weights[None], self.height, zenith, self._apparent, [self._sun])
         table = _table(lines, rows)
         return table._replace(amplitude=self._share * table.amplitude, solar_zenith=self._aloft, height=self.height)
 
 
 def _sun_range(solar_zenith: float, turn: float) -> tuple[float, float]:
-    """Range of apparent zenith angles of the Sun at the places in view where its whole disc is above the horizon [rad]."""
-    return min(max(solar_zenith - turn, 0.0), _LOWEST_SUN), min(solar_zenith + turn, _LOWEST_SUN)
+    """Range of apparent zenith angles of the Sun at the places in view where the air scatters its light [rad]."""
+    return min(max(solar_zenith - turn, 0.0), DARK_SUN), min(solar_zenith + turn, DARK_SUN)
 
 
-def _sun_nodes(first: float, last: float) -> FloatArray:
-    """Zenith angles of the Sun that are computed [rad], denser for a low Sun."""
-    t = np.linspace(0.0, 1.0, 3 if last - first < _SMALL_TURN else _SUNS)
-    return np.asarray(last - (last - first) * (1.0 - t) ** 2)
+def _sun_nodes(first: float, last: float) -> tuple[FloatArray, FloatArray]:
+    """Suns that are computed in a range of zenith angles [rad], denser for a low Sun: places from 0 to 1, and zenith angles [rad]."""
+    if last <= LOWEST_SUN:
+        t = np.linspace(0.0, 1.0, 3 if last - first < _SMALL_TURN else _SUNS)
+        return 1.0 - (1.0 - t) ** 2, last - (last - first) * (1.0 - t) ** 2
+    zenith = [last]
+    while zenith[-1] > first:
+        zenith.append(zenith[-1] - _SUN_STEP - _SUN_GROWTH * max(LOWEST_SUN - zenith[-1], 0.0))
+    # even steps a little smaller end at the first
+    below = last - np.array(zenith[::-1])
+    nodes = 1.0 - below / below[0]
+    return nodes, first + (last - first) * nodes
 
 
 def _azimuth_nodes(solar_zenith: float) -> FloatArray:
     """Azimuths from the Sun [rad], denser near it for a low Sun."""
+    if solar_zenith > LOWEST_SUN:
+        return 2.0 * np.arcsin(np.sqrt(np.array(_TWILIGHT_COLUMNS) / (COLUMNS - 1)))
     count = 3 if solar_zenith < _HIGH_SUN else 5 if solar_zenith < _LOW_SUN else 8
     return np.linspace(0.0, math.pi, count)  # Chebyshev's extrema in the cosine
 
 
-def _path_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _path_lines(air: ScatteringAir, height: float, nodes: int = PATH_NODES) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Zenith angles at the sensor [rad] of lines to the sea, arcs to their ends [m], their coordinates along the tables' rows."""
-    slant = height * (float(straight_slant(height, 0.0)) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
+    slant = height * (float(straight_slant(height, 0.0)) / height) ** np.linspace(0.0, 1.0, nodes)
     zenith = _path_zenith(air, height, slant)
     arcs = 1e3 * air.laws.earth_radius * air.arcs(height, zenith)
     lengths = slant_range(height, arcs)
@@ -416,11 +446,12 @@ def _path_zenith(air: ScatteringAir, height: float, slant: FloatArray) -> FloatA
     return np.asarray(math.pi - np.arcsin(ratio * at_sea))
 
 
-def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, FloatArray]:
+def _sky_lines(air: ScatteringAir, height: float, *, twilit: bool = False) -> tuple[FloatArray, FloatArray]:
     """Zenith angles [rad] from the horizon up, and the matrix (rows, nodes) that resamples their values to rows."""
-    y = np.linspace(0.0, 1.0, ELEVATION_NODES)
+    resampled = _linear if twilit else _splined
+    y = np.linspace(0.0, 1.0, TWILIGHT_NODES if twilit else ELEVATION_NODES)
     above = np.maximum(0.5 * math.pi - elevation_of_coordinate(y, 0.0), 0.0)
-    even = _splined(y, np.linspace(0.0, 1.0, ROWS))
+    even = resampled(y, np.linspace(0.0, 1.0, ROWS))
     if height <= 0.0:
         return above, even
     if height <= LOW:  # below the horizontal the horizontal's sky
@@ -433,18 +464,23 @@ def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, FloatArra
     fine = edges[0] * (1.0 - np.arange(DIP_ROWS) / DIP_ROWS) ** 2
     piece = np.clip(np.searchsorted(edges, fine, side="right") - 1, 0, pieces - 1)
     horizontal = pieces * (nodes_each - 1)
-    rows = np.zeros((DIP_ROWS + ROWS, horizontal + ELEVATION_NODES))
+    rows = np.zeros((DIP_ROWS + ROWS, horizontal + y.size))
     rows[DIP_ROWS:, horizontal:] = even
     for i in range(pieces):
         in_piece, first = np.flatnonzero(piece == i), i * (nodes_each - 1)
         where = grazing_coordinate((fine[in_piece] - edges[i]) / (edges[i + 1] - edges[i]))
-        rows[in_piece, first : first + nodes_each] = _splined(share, where)
+        rows[in_piece, first : first + nodes_each] = resampled(share, where)
     return np.concatenate([0.5 * math.pi - np.concatenate(below), above]), rows
 
 
 def _splined(nodes: FloatArray, places: FloatArray) -> FloatArray:
     """Matrix (places, nodes) from values at nodes to values of the cubic spline through them at places."""
     return np.asarray(CubicSpline(nodes, np.eye(nodes.size))(places))
+
+
+def _linear(nodes: FloatArray, places: FloatArray) -> FloatArray:
+    """Matrix as ``_splined`` for linear interpolation, which stays between its nodes."""
+    return np.stack([np.interp(places, nodes, row) for row in np.eye(nodes.size)], axis=1)
 
 
 def _grazed(air: ScatteringAir, height: float) -> FloatArray:
@@ -458,33 +494,40 @@ def _grazed(air: ScatteringAir, height: float) -> FloatArray:
 
 
 def _computed(
-    air: ScatteringAir, weights: FloatArray | None, height: float, zenith: FloatArray, azimuths: FloatArray, suns: list[float]
+    air: ScatteringAir, weights: FloatArray | None, height: float, zenith: FloatArray, lowest: float, suns: list[float]
 ) -> _Computed:
-    """Compute lines of sight under Suns without refraction [rad]: in band for ``weights`` [(1, n)], else as spectra."""
+    """Compute lines of sight under Suns without refraction [rad]: in band for ``weights`` [(1, n)], else as spectra.
+
+    ``lowest``: the largest apparent zenith angle of these Suns [rad].
+    """
+    azimuths, twilit = _azimuth_nodes(lowest), lowest > LOWEST_SUN
     grid = np.stack(np.meshgrid(suns, zenith, azimuths, indexing="ij"), axis=-1).reshape(-1, 3)
     amplitudes = air.amplitudes(height, grid[:, [1, 2, 0]], tabulated=True)[0] * air.source
-    spectral = np.ones((1, 1)) if weights is not None else _spectral_shapes(air, amplitudes)
+    spectral = np.ones((1, 1)) if weights is not None else _spectral_shapes(air, amplitudes, _DARKEST if twilit else 0.0)
     sums = weights if weights is not None else spectral
     angular, kinds = _angular_shapes(air, amplitudes, sums)
     # share of every shape over angle and spectrum in each kind and channel
     shares = (kinds[:, None] * sums[:, None]).reshape(kinds.shape[0] * sums.shape[0], -1)
     by_shape = amplitudes.reshape(len(amplitudes), -1) @ shares.T
-    return _Computed(angular, spectral, by_shape.reshape(len(suns), zenith.size, azimuths.size, kinds.shape[0], sums.shape[0]), azimuths)
+    return _Computed(
+        angular, spectral, by_shape.reshape(len(suns), zenith.size, azimuths.size, kinds.shape[0], sums.shape[0]), azimuths, twilit
+    )
 
 
 def _table(lines: _Computed, rows: FloatArray, suns: FloatArray | None = None) -> ScatteredTable:
     """Table of computed lines, resampled by matrices from nodes to rows, and from the Suns of the nodes to those of the table."""
-    amplitude = _fine(lines.values, lines.azimuths, rows, suns)
-    return ScatteredTable(lines.angular, amplitude, lines.spectral, 0.0, (0.0, 0.0), False, 0.0, 0.0, 0.0, 0)
+    amplitude = _fine(lines, rows, suns)
+    return ScatteredTable(lines.angular, amplitude, lines.spectral, 0.0, (0.0, 0.0), 0.0, 0.0, 0.0, 0)
 
 
-def _spectral_shapes(air: ScatteringAir, amplitudes: FloatArray) -> FloatArray:
-    """Orthonormal spectra [(r, n)] that span the spectra of all lines at any scattering angle."""
+def _spectral_shapes(air: ScatteringAir, amplitudes: FloatArray, least: float = 0.0) -> FloatArray:
+    """Orthonormal spectra [(r, n)] that span the spectra of all lines at any scattering angle, except lines darker than a share."""
     # spectra of lines at some scattering angles, from the aureole to backscatter, span those at all angles
     phase = air.phase(np.radians((1.0, 10.0, 30.0, 90.0, 150.0)))
     spectra = np.einsum("acn,lcn->aln", phase, amplitudes).reshape(-1, amplitudes.shape[-1])
     size = np.linalg.norm(spectra, axis=1, keepdims=True)
-    scaled = spectra[size[:, 0] > _LEAST] / size[size[:, 0] > _LEAST, None].reshape(-1, 1)
+    lit = size[:, 0] > max(_LEAST, least * float(size.max()))
+    scaled = spectra[lit] / size[lit]
     if scaled.shape[0] == 0:
         return np.full((1, amplitudes.shape[-1]), amplitudes.shape[-1] ** -0.5)
     _, vectors = np.linalg.eigh(scaled.T @ scaled)
@@ -513,19 +556,30 @@ def _angular_shapes(air: ScatteringAir, amplitudes: FloatArray, sums: FloatArray
     return np.ascontiguousarray(shapes), kinds.reshape(count, KINDS, -1)
 
 
-def _fine(values: FloatArray, azimuths: FloatArray, rows: FloatArray, suns: FloatArray | None) -> FloatArray:
+def _fine(lines: _Computed, rows: FloatArray, suns: FloatArray | None) -> FloatArray:
     """Node values [(suns, nodes, azimuths, k, r)] resampled to the tables' rows and columns: magnitude by its logarithm, rest linearly."""
+    values, azimuths = lines.values, lines.azimuths
     size = np.sqrt(np.sum(values**2, axis=(3, 4), keepdims=True)) + _LEAST
+    # lines in the shadow would have no logarithm
+    floor = _DARKEST * float(size.max()) if lines.twilit else 0.0
+    size = size + floor
     encoded = np.concatenate([np.log(size).reshape(*values.shape[:3], 1), (values / size).reshape(*values.shape[:3], -1)], axis=-1)
     columns = np.linspace(0.0, 1.0, COLUMNS)
     nodes = np.sin(0.5 * azimuths) ** 2
     order = azimuths.size - 1
     # polynomials in the cosine of the azimuth: the azimuth nodes are their Chebyshev extrema
-    to_columns = chebyshev.chebvander(1.0 - 2.0 * columns, order) @ np.linalg.inv(chebyshev.chebvander(1.0 - 2.0 * nodes, order))
+    to_columns = (
+        _linear(nodes, columns)
+        if lines.twilit
+        else chebyshev.chebvander(1.0 - 2.0 * columns, order) @ np.linalg.inv(chebyshev.chebvander(1.0 - 2.0 * nodes, order))
+    )
     # the axis that grows most is resampled last
     if suns is not None:
         encoded = np.tensordot(suns, encoded, axes=(1, 0))
     by_rows = (rows @ encoded.reshape(len(encoded), len(rows.T), -1)).reshape(len(encoded), len(rows), azimuths.size, -1)
     whole = to_columns @ by_rows
-    amplitude = np.exp(whole[..., :1]) * whole[..., 1:]
+    magnitude = np.exp(whole[..., :1])
+    if lines.twilit:
+        magnitude = np.maximum(magnitude - floor, 0.0)
+    amplitude = magnitude * whole[..., 1:]
     return np.ascontiguousarray(amplitude.reshape(*amplitude.shape[:3], *values.shape[3:]))
