@@ -35,7 +35,7 @@ def tables(view):
 def _diffuse(nu):
     """Diffuse reflectance of foam, put in by hand from its published numbers and the water's absorption."""
     water = sea_view(None, cox_munk_isotropic(8.0)).water
-    return 0.22 * np.exp(-np.sqrt(4.0 * np.pi * water.index(nu).imag * nu * 100.0 * 0.77e-3))
+    return 0.22 * np.exp(-np.sqrt(4.0 * np.pi * water.index(nu).imag * nu * 100.0 * 0.6e-3))
 
 
 def _sky(view):
