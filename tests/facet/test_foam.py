@@ -35,7 +35,7 @@ def tables(view):
 def _diffuse(nu):
     """Diffuse reflectance of foam, put in by hand from its published numbers and the water's absorption."""
     water = sea_view(None, cox_munk_isotropic(8.0)).water
-    return 0.22 * np.exp(-np.sqrt(4.0 * np.pi * water.index(nu).imag * nu * 100.0 * 0.77e-3))
+    return 0.22 * np.exp(-np.sqrt(4.0 * np.pi * water.index(nu).imag * nu * 100.0 * 0.6e-3))
 
 
 def _sky(view):
@@ -103,6 +103,21 @@ def test_white_furnace_is_planck(band):
     black = basis.coefficients @ basis.project(planck_wavenumber(basis.wavenumber_cm, SEA_TEMPERATURE))
     for i in range(0, ARCS.size, 9):
         assert foam_thermal(tables, (i, 0.0), black[i]) == pytest.approx(black[i], rel=1e-10)
+
+
+def test_light_from_all_directions_is_reflected_by_the_diffuse_reflectance(view, tables):
+    """Energy: the sum over the hemisphere of a Sun in every direction is the diffuse reflectance times the sum of its irradiance.
+
+    The kernel has no direction of the viewer, so that it is reciprocal: Lambert's law.
+    """
+    zenith, azimuth = (np.arange(90) + 0.5) * np.pi / 180, (np.arange(72) + 0.5) * np.pi / 36
+    total = sum(
+        np.sin(z) * (np.pi / 180) * (np.pi / 36) * foam_sunlight(tables, (60, 0.0), sunlight(z, a, True), (0.0, 0.0))
+        for z in zenith
+        for a in azimuth
+    )
+    seen = view.atmosphere.transmittance(view.sensor_height, ARCS[60])[view.in_band.grid] * view.in_band.weights
+    assert total == pytest.approx(seen @ (_diffuse(view.in_band.wavenumber_cm) * view.irradiance), rel=1e-3)
 
 
 def test_night_has_no_sunlight(view):

@@ -13,7 +13,6 @@ from seaglint.facet.foam import FoamTables
 from seaglint.facet.path_basis import PathBasis
 from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sky import is_dark, mirrored_sky
-from seaglint.facet.sunlight import visible_sun
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.foam_reflectance import BUBBLES, diffuse_reflectance
 
@@ -58,14 +57,13 @@ def mean_sky(view: SeaView) -> FloatArray:
     weight = 2.0 * w * sine * np.sqrt(sine)
     light = weight @ mirrored_sky(view.atmosphere, np.arccos(sine), view.in_band.grid)
     table = view.scattered.sea_sky_within(view.farthest_turn, 1)
-    share = visible_sun(view.solar_zenith)[0] if table.sets else 1.0
-    if is_dark(table) or share == 0.0:
+    if is_dark(table):
         return np.asarray(light)
     y, v = np.polynomial.legendre.leggauss(_AZIMUTHS)
     half = 0.5 * (1.0 + y)
     shares = scattered_shares(np.arcsin(sine)[:, None], np.pi * half**2, table)
     scattered = np.einsum("i,j,ijr->r", weight, v * half, shares) @ table.spectral
-    return np.asarray(light + view.sun_distance_factor * share * np.maximum(scattered, 0.0))
+    return np.asarray(light + view.sun_distance_factor * np.maximum(scattered, 0.0))
 
 
 def foam_tables(view: SeaView, basis: PathBasis) -> FoamTables:

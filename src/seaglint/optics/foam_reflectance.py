@@ -14,8 +14,9 @@ b comes from the two measurements of foam minus water at large angles: +0.04 in 
 at small angles) and +0.23 at 8.9 um and 85 deg (Branch et al. 2016, the largest difference that they report). They ask for shares
 of 0.48 and 0.41. Foam whose reflecting walls had all directions would be 0.46 above water at 85 deg, twice the measured difference.
 
-:math:`d_0` and l are fitted to the effective reflectance of whitecaps in 1-2.5 um, of Whitlock et al. 1982 with Koepke's 0.4 for foam of a
-mean age, as the program 6S tabulates it; between 2.5 and 14 um no measurement of the diffuse part is known to us.
+:math:`d_0` is Koepke's value, and l is fitted to the effective reflectance of whitecaps in 1-2.5 um (to its logarithm), of Whitlock et al.
+1982 with Koepke's 0.4 for foam of a mean age, as the program 6S tabulates it. Between 2.5 and 14 um no measurement of the diffuse part is
+known to us.
 
 References
 ----------
@@ -40,14 +41,35 @@ BUBBLES: Final = 0.4
 
 DIFFUSE: Final = 0.22  #: Diffuse reflectance of foam of a mean age where water does not absorb [1] (Koepke 1984).
 
-ABSORBING_LENGTH: Final = 0.77e-3  #: Length of water that diffusely reflected light has crossed, in the law of its absorption [m].
+ABSORBING_LENGTH: Final = 0.6e-3  #: Length of water that diffusely reflected light has crossed, in the law of its absorption [m].
 
 
 def diffuse_reflectance(wavenumber_cm: ArrayLike, water: WaterIndex) -> FloatArray:
-    """Diffuse reflectance of foam [1], of the shape of the wavenumbers [cm-1].
+    r"""Diffuse reflectance of foam, :math:`d_0 \exp(-\sqrt{\alpha l})`.
 
-    Within 0.015 rms of the effective reflectance of whitecaps in 1-2.5 um, less the part that mirrors. Its largest value in 3-14 um is
-    0.012, near 3.8 um.
+    Parameters
+    ----------
+    wavenumber_cm : array_like
+        Wavenumbers [cm-1].
+    water : WaterIndex
+        Refractive index of the sea.
+
+    Returns
+    -------
+    ndarray
+        Reflectance [1], of the shape of the wavenumbers.
+
+    Notes
+    -----
+    With the part that mirrors it is within 20 % rms of the effective reflectance of whitecaps in 1-2.5 um. Its largest value in 3-14 um is
+    0.016, near 3.8 um.
+
+    Examples
+    --------
+    >>> from seaglint.optics.sea_water import hale_querry_sea
+    >>> d = diffuse_reflectance(1e4 / np.array([0.65, 3.8, 10.0]), hale_querry_sea())
+    >>> d.round(3).tolist()
+    [0.217, 0.016, 0.0]
     """
     nu = np.asarray(wavenumber_cm, dtype=np.float64)
     absorption = 4.0 * np.pi * water.index(nu).imag * nu * 100.0
@@ -55,10 +77,27 @@ def diffuse_reflectance(wavenumber_cm: ArrayLike, water: WaterIndex) -> FloatArr
 
 
 def foam_reflectance(cos_incidence: ArrayLike, wavenumber_cm: ArrayLike, water: WaterIndex) -> FloatArray:
-    """Directional-hemispherical reflectance of foam [1]; cosine of incidence and wavenumbers [cm-1] broadcast.
+    r"""Directional-hemispherical reflectance of foam, :math:`0.6\,\rho_w + d`.
 
+    Parameters
+    ----------
+    cos_incidence : array_like
+        Cosine of the angle of incidence on the foam's film of water [1], 0 (grazing) to 1.
+    wavenumber_cm : array_like
+        Wavenumbers [cm-1]; they broadcast with the cosines.
+    water : WaterIndex
+        Refractive index of the sea.
+
+    Returns
+    -------
+    ndarray
+        Reflectance [1], of the broadcast shape.
+
+    Examples
+    --------
     >>> from seaglint.optics.sea_water import hale_querry_sea
-    >>> round(float(foam_reflectance(np.cos(np.radians(85.0)), 1e4 / 8.9, hale_querry_sea())), 3)
+    >>> grazing = np.cos(np.radians(85.0))
+    >>> round(float(foam_reflectance(grazing, 1e4 / 8.9, hale_querry_sea())), 2)
     0.34
     """
     mirrored = reflectance(cos_incidence, water.index(np.asarray(wavenumber_cm, dtype=np.float64)))
@@ -66,5 +105,23 @@ def foam_reflectance(cos_incidence: ArrayLike, wavenumber_cm: ArrayLike, water: 
 
 
 def foam_emissivity(cos_incidence: ArrayLike, wavenumber_cm: ArrayLike, water: WaterIndex) -> FloatArray:
-    """Directional emissivity of foam [1], arguments as of ``foam_reflectance``."""
+    r"""Directional emissivity of foam, :math:`1 - \rho_f`.
+
+    Parameters
+    ----------
+    cos_incidence, wavenumber_cm, water
+        As of :func:`foam_reflectance`.
+
+    Returns
+    -------
+    ndarray
+        Emissivity [1], of the broadcast shape.
+
+    Examples
+    --------
+    >>> from seaglint.optics.sea_water import hale_querry_sea
+    >>> grazing = np.cos(np.radians(85.0))
+    >>> round(float(foam_emissivity(grazing, 1e4 / 8.9, hale_querry_sea())), 2)
+    0.66
+    """
     return np.asarray(1.0 - foam_reflectance(cos_incidence, wavenumber_cm, water))
