@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray
@@ -100,7 +101,7 @@ def moonlit_looks(rows: FloatArray, moons: Moons, band: MoonBand, light: Mirrore
     return replace(near, radiance=radiance, chance=chance)
 
 
-def brighter(sun: Looks, moon: Looks, *, searched: bool) -> tuple[Looks, FloatArray]:
+def brighter(sun: Looks, moon: Looks, *, searched: bool) -> tuple[Looks, NDArray[np.bool_]]:
     """Return the looks under both lights, and whether the Moon is the brighter one [(n,)].
 
     Radiances add up. Where directions are searched, the brightest direction is that of the brighter light, and so is the radiance.
