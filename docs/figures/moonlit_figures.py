@@ -89,7 +89,7 @@ def draw_picture() -> None:
     shown = axes[0].imshow(above, cmap="gray", vmin=-1.0, vmax=1.5, **seen)
     figure.colorbar(shown, ax=axes[0], location="bottom", label="less the median of the row [K]", extend="both")
     axes[0].set(xlabel="azimuth [°]", ylabel="elevation [°]", title="apparent temperature")
-    shown = axes[1].imshow(1e3 * (kelvin - unlit), cmap="inferno", vmin=0.0, vmax=150.0, **seen)
+    shown = axes[1].imshow(1e3 * (kelvin - unlit), cmap="inferno", vmin=0.0, vmax=40.0, **seen)
     figure.colorbar(shown, ax=axes[1], location="bottom", label="part of it [mK]", extend="max")
     axes[1].set(xlabel="azimuth [°]", title="mirrored moonlight")
     axes[2].imshow(kelvin, cmap="gray", vmin=float(kelvin.max()) - 25.0, vmax=float(kelvin.max()), **seen)
