@@ -1,7 +1,8 @@
 """Moonlight on the sea: print the table of the guide, and draw its picture into docs/images.
 
-    python docs/figures/moonlit_figures.py contrast    contrast of the corridor, into docs/guide/scenario/moon.md
-    python docs/figures/moonlit_figures.py picture     moonlit_sea.png
+``contrast`` writes the contrast of the corridor into docs/guide/scenario/moon.md, ``picture`` draws moonlit_sea.png:
+
+    python docs/figures/moonlit_figures.py contrast picture
 """
 
 from __future__ import annotations
@@ -12,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 
 import seaglint as sg
 from pictures import save
@@ -67,30 +67,33 @@ def write_table() -> None:
 
 
 def draw_picture() -> None:
-    """Draw the Moon 4 deg above its corridor, in 3.5-5 um from 10 m, three days after full Moon."""
+    """Draw the Moon above its corridor in 3.5-5 um from 20 m, the mirrored light alone, and the lit part."""
     tables: dict[str, Any] = {
         "seed": 4,
         "sun": {"zenith_deg": 125.0, "azimuth_deg": 40.0},
-        "moon": {"zenith_deg": 86.5, "azimuth_deg": 100.0, "phase_deg": 60.0},
+        "moon": {"zenith_deg": 80.0, "azimuth_deg": 100.0, "phase_deg": 60.0},
         "band": {"min_um": 3.5, "max_um": 5.0},
-        "wind": {"speed_m_s": 5.0, "from_deg": 130.0},
-        "sensor": {"height_m": 10.0, "azimuth_deg": 100.0, "elevation_deg": 1.0, "fov_deg": [8.0, 7.0], "pixels": [640, 560]},
+        "wind": {"speed_m_s": 3.0, "from_deg": 130.0},
+        "sensor": {"height_m": 20.0, "azimuth_deg": 100.0, "elevation_deg": 0.0, "fov_deg": [14.0, 24.0], "pixels": [466, 800]},
     }
-    image = sg.image(tables)
-    scenario = parse_scenario(tables)
-    view = scenario_physics.view(scenario)
-    kelvin = apparent_temperature(image.radiance.values.astype(float), view.band, view.atmosphere.wavenumber_cm)
+    image = sg.image(tables, 0.0, ["glint_radiance"])
+    view = scenario_physics.view(parse_scenario(tables))
+    wavenumber = view.atmosphere.wavenumber_cm
+    lit, glint = (image[name].values.astype(float) for name in ("radiance", "glint_radiance"))
+    kelvin, unlit = (apparent_temperature(radiance, view.band, wavenumber) for radiance in (lit, lit - glint))
     azimuth, elevation = image.azimuth.values, image.elevation.values
-    figure = Figure(figsize=(8.6, 6.0), layout="constrained")
-    axes = figure.subplots(1, 2, width_ratios=[3.0, 1.0])
-    extent = (azimuth[0], azimuth[-1], elevation[-1], elevation[0])
-    low, high = np.percentile(kelvin, [0.5, 99.8])
-    shown = axes[0].imshow(kelvin, extent=extent, aspect="equal", cmap="gray", vmin=low, vmax=high)
-    figure.colorbar(shown, ax=axes[0], location="bottom", label="apparent temperature [K]", extend="both", shrink=0.8)
-    axes[0].set(xlabel="azimuth [°]", ylabel="elevation [°]", title="3.5-5 µm from 10 m, 5 m/s")
-    axes[1].imshow(kelvin, extent=extent, aspect="equal", cmap="gray", vmin=low, vmax=float(kelvin.max()))
-    axes[1].set(xlim=(99.5, 100.5), ylim=(3.0, 4.0), title=f"its lit part,\n{kelvin.max():.0f} K behind the air", xlabel="azimuth [°]")
-    axes[0].add_patch(Rectangle((99.5, 3.0), 1.0, 1.0, fill=False, edgecolor="tab:orange", linewidth=0.8))
+    figure = Figure(figsize=(8.6, 6.2), layout="constrained")
+    axes = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 0.5])
+    seen: dict[str, Any] = {"extent": (azimuth[0], azimuth[-1], elevation[-1], elevation[0]), "aspect": "equal"}
+    above = kelvin - np.median(kelvin, axis=1, keepdims=True)
+    shown = axes[0].imshow(above, cmap="gray", vmin=-1.0, vmax=1.5, **seen)
+    figure.colorbar(shown, ax=axes[0], location="bottom", label="less the median of the row [K]", extend="both")
+    axes[0].set(xlabel="azimuth [°]", ylabel="elevation [°]", title="apparent temperature")
+    shown = axes[1].imshow(1e3 * (kelvin - unlit), cmap="inferno", vmin=0.0, vmax=40.0, **seen)
+    figure.colorbar(shown, ax=axes[1], location="bottom", label="part of it [mK]", extend="max")
+    axes[1].set(xlabel="azimuth [°]", title="mirrored moonlight")
+    axes[2].imshow(kelvin, cmap="gray", vmin=float(kelvin.max()) - 25.0, vmax=float(kelvin.max()), **seen)
+    axes[2].set(xlim=(99.6, 100.4), ylim=(9.6, 10.4), xticks=(), yticks=(), title=f"the Moon, {kelvin.max():.0f} K\nbehind the air")
     save(figure, IMAGES / "moonlit_sea.png")
 
 

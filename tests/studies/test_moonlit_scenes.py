@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from seaglint.base.errors import SeaglintError
 from seaglint.climate.moon_position import MoonEphemeris
 from seaglint.climate.weather_table import WeatherTable
+from seaglint.formats.tables.input_tables import Cases
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.load import parse_scenario
@@ -17,6 +20,7 @@ from seaglint.studies.likelihood.best_looks import best_looks
 from seaglint.studies.likelihood.chance_map import likelihood_map
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw, likelihood, pixel_deviation
+from seaglint.studies.mean.evaluate_cases import MEAN_INPUTS, MOON, evaluate_mean, parse_bands
 from seaglint.studies.mean.mean_map import mean
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
@@ -53,6 +57,24 @@ def test_the_moon_of_a_sequence_moves_as_the_sun_does():
     for view, step in ((first, 0), (later, 8)):
         assert view.disc.centre == pytest.approx((moon_position(scenario, step).zenith, moon_position(scenario, step).azimuth))
     assert abs(later.disc.centre[0] - first.disc.centre[0]) + abs(later.disc.centre[1] - first.disc.centre[1]) > 1e-3
+
+
+def test_cases_have_a_moon():
+    """Columns of the Moon, beside the mean radiance of a view with it."""
+    names = (*MEAN_INPUTS, *MOON)
+    rows = [["midlatitude-summer", "5", "20", "10", zenith, "30", "288.15", "1", "75", "30", "40"] for zenith in ("130", "70")]
+    cases = Cases(Path("cases.csv"), list(names), rows, [2, 3])
+    lit = evaluate_mean(cases, parse_bands(["8.0-12.0"]))
+    dark = evaluate_mean(Cases(Path("cases.csv"), list(MEAN_INPUTS), [row[:8] for row in rows], [2, 3]), parse_bands(["8.0-12.0"]))
+    added = np.asarray(lit["radiance_W_m2_sr[8.0-12.0]"]) - np.asarray(dark["radiance_W_m2_sr[8.0-12.0]"])
+    tables = {"moon": {"zenith_deg": 75.0, "azimuth_deg": 30.0, "phase_deg": 40.0}, "sun": {"zenith_deg": 130.0, "azimuth_deg": 0.0}}
+    tables |= {"band": {"min_um": 8.0, "max_um": 12.0}, "wind": {"speed_m_s": 5.0}, "sensor": {"height_m": 20.0}}
+    view = scenario_physics.view(parse_scenario(tables | {"sea": {"slopes": {"kind": "cox-munk-isotropic"}}}))
+    expected = mean_radiance(view, [-np.radians(10.0)], [np.radians(30.0)]).sun[0, 0]
+    # the bright limb is the lower one in cases, and that towards the Sun in scenarios; the number of bands is that of the light's azimuth
+    assert added == pytest.approx([expected, expected], rel=0.01)
+    with pytest.raises(SeaglintError, match="moon_phase_deg"):
+        evaluate_mean(Cases(Path("cases.csv"), list(names[:-1]), [row[:-1] for row in rows], [2, 3]), parse_bands(["8.0-12.0"]))
 
 
 def test_the_likelihood_sees_the_same_moonlight():

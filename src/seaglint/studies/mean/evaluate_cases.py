@@ -12,7 +12,7 @@ import re
 from collections.abc import Hashable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -29,6 +29,7 @@ from seaglint.base.parameters import documented
 from seaglint.formats.tables.input_tables import Cases, Column
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.optics.moonlight import MEAN_MOON_DISTANCE, moon_radius, moon_to_sun
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
 from seaglint.sea.slopes.from_spectrum import nested_in
@@ -43,6 +44,9 @@ Columns = dict[str, FloatArray | list[str]]
 
 #: Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth.
 WIND_FROM: Final = "wind_from_deg"
+
+#: Others that may be missing, together: the Moon, its azimuth clockwise from the Sun's.
+MOON: Final = ("moon_zenith_deg", "moon_azimuth_deg", "moon_phase_deg")
 
 SLOPES: Final = "slopes"  #: Another that may be missing: the slope model of each row, one of ``SLOPE_KINDS``.
 
@@ -307,7 +311,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     cases : Cases
         With the columns ``MEAN_INPUTS``; a relative azimuth of 0 looks towards the Sun, the pixel is ``ifov_mrad`` square. With the
         column ``WIND_FROM`` as well, slopes are Cox and Munk's along and across that wind; 0 comes from the Sun's side. The column
-        ``SLOPES`` chooses another of their models.
+        ``SLOPES`` chooses another of their models, the columns ``MOON`` add a Moon at its mean distance.
     {request}
     progress : callable, optional
         Called with (done, total).
@@ -325,7 +329,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
         A band outside the tables.
     """
     # Numba comes with these, as above.
-    from seaglint.facet.sea_view import BandSum, SeaView
+    from seaglint.facet.sea_view import BandSum, Disc, Moonlight, SeaView
     from seaglint.facet.surface_spectra import SeaSurface
     from seaglint.radiance.mean_radiance import mean_radiance
     from seaglint.radiance.variance import correlation_length, sea_variance
@@ -342,6 +346,12 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     directed = WIND_FROM in cases.header
     wind_from = _angles(cases, WIND_FROM, -360.0, 360.0) if directed else np.zeros(len(cases))
     kinds = slope_kinds(cases, directed)
+    moonlit = any(name in cases.header for name in MOON)
+    if moonlit:
+        cases.require(MOON)
+    moons = np.zeros((len(cases), 3))
+    for i, (name, lowest, highest) in enumerate(zip(MOON, (0.0, -360.0, 0.0), (180.0, 360.0, 180.0), strict=True)):
+        moons[:, i] = _angles(cases, name, lowest, highest) if moonlit else 0.0
     length = correlation_length(CORRELATION_TIME)
     water = hale_querry_sea()
     columns = {
@@ -357,13 +367,19 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
             over = BandSum.of(band.band, air)
             # Tables of the sky are made once per air; the blackbody of other temperatures is exchanged below.
             surface = SeaSurface.create(air, water, float(temperature[same_air[0]]), over.grid)
-            of_rows = (height, sun, temperature, azimuth, wind_from, kinds)
+            of_rows = (height, sun, temperature, azimuth, wind_from, kinds, *moons.T)
             views = zip(*(values[same_air].tolist() for values in of_rows), strict=True)
-            for (at, solar_zenith, kelvin, towards, origin, kind), of_air in ((k, r) for k, r in groups_of(views) if isinstance(k, tuple)):
+            for (at, solar_zenith, kelvin, towards, origin, kind, *of_moon), of_air in (
+                (k, r) for k, r in groups_of(views) if isinstance(k, tuple)
+            ):
                 _report(progress, done, total)
                 rows = same_air[of_air]
                 slopes = slopes_of(kind, speed, float(travel_azimuth(origin)), extrapolate)
-                view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith)
+                moon = None
+                if moonlit:
+                    disc = Disc(moon_radius(MEAN_MOON_DISTANCE), partial(moon_to_sun, phase=of_moon[2]), of_moon[2], np.pi)
+                    moon = Moonlight(of_moon[0], of_moon[1], disc)
+                view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith, moon=moon)
                 # What costs most, the table of the sky, is that of the air alone.
                 of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
                 components = mean_radiance(view, -depression[rows], [towards], of_kelvin)
