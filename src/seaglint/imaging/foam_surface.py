@@ -125,17 +125,3 @@ def tile_share(foam: FoamSurface, t: int, u: float, v: float, width: float) -> f
     a, b, c, d, f, g = corners(foam.share, first, size, u * scale - 0.5, v * scale - 0.5)
     fine = a + f * (b - a) + g * (c - a + f * (d - c - b + a))
     return fine + part * (above - fine)
-
-
-@kernel
-def wandered(foam: FoamSurface, t: int, away: tuple[float, float], r: float) -> tuple[float, float]:
-    """Return the place (u, v) [cells] on a tile, ``r`` metres from under the sensor along a horizontal unit vector (east, north)."""
-    scale, c, s = foam.grid[t, 0], foam.grid[t, 1], foam.grid[t, 2]
-    u = foam.grid[t, 3] + r * scale * (c * away[0] + s * away[1])
-    v = foam.grid[t, 4] + r * scale * (c * away[1] - s * away[0])
-    for w in range(foam.wander.shape[1]):
-        phase = foam.wander[t, w, 4] + r * (foam.wander[t, w, 2] * away[0] + foam.wander[t, w, 3] * away[1])
-        height = math.sin(2.0 * math.pi * (phase - math.floor(phase)))
-        u += foam.wander[t, w, 0] * height
-        v += foam.wander[t, w, 1] * height
-    return u, v

@@ -24,7 +24,7 @@ from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.sunlight import Sunlight
-from seaglint.imaging.foam_surface import NO_FOAM_SURFACE, FoamSurface, tile_share, wandered
+from seaglint.imaging.foam_surface import NO_FOAM_SURFACE, FoamSurface, tile_share
 from seaglint.sea.foam.ship_foam import segments_share
 
 STRIP = 64  #: Number of samples of a line that are read together.
@@ -315,6 +315,19 @@ def slopes(surface: Surface, line: SurfaceLine, r: float) -> tuple[float, float]
         east += line.turn[j, 0] * along - line.turn[j, 1] * across
         north += line.turn[j, 1] * along + line.turn[j, 0] * across
     return east, north
+
+
+@kernel
+def wandered(foam: FoamSurface, t: int, away: tuple[float, float], r: float) -> tuple[float, float]:
+    """Return the place (u, v) [cells] on a tile, ``r`` metres from under the sensor along a horizontal unit vector (east, north)."""
+    scale, c, s = foam.grid[t, 0], foam.grid[t, 1], foam.grid[t, 2]
+    u = foam.grid[t, 3] + r * scale * (c * away[0] + s * away[1])
+    v = foam.grid[t, 4] + r * scale * (c * away[1] - s * away[0])
+    for w in range(foam.wander.shape[1]):
+        height = sine(foam.wander[t, w, 4] + r * (foam.wander[t, w, 2] * away[0] + foam.wander[t, w, 3] * away[1]))
+        u += foam.wander[t, w, 0] * height
+        v += foam.wander[t, w, 1] * height
+    return u, v
 
 
 @kernel

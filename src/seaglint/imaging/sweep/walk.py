@@ -26,7 +26,7 @@ from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_tables import PathTerms
 from seaglint.facet.roughness import Roughness
 from seaglint.imaging.camera.imager import Camera
-from seaglint.imaging.foam_surface import tile_share, wandered
+from seaglint.imaging.foam_surface import tile_share
 from seaglint.imaging.wave_surface import (
     LONGEST_STRIP,
     STRIP,
@@ -38,6 +38,7 @@ from seaglint.imaging.wave_surface import (
     gradient,
     height,
     position,
+    wandered,
 )
 from seaglint.sea.foam.ship_foam import segments_share
 
