@@ -105,7 +105,13 @@ def drawn(seed):
     moon = moonlight(90.0 - height, rng.uniform(0.0, 360.0), rng.uniform(0.0, 120.0), rng.uniform(0.0, 360.0), rng.uniform(3.56e8, 4.07e8))
     slopes = cox_munk_isotropic(wind) if seed % 2 else cox_munk_anisotropic(wind, rng.uniform(0.0, 6.0))
     band = list(BANDS.values())[seed % 3 % 2]
-    return band, slopes, moon, np.radians(height * rng.uniform(0.6, 1.4)), moon.azimuth + np.radians(rng.uniform(-12.0, 12.0))
+    return (
+        band,
+        slopes,
+        moon,
+        np.radians(height * min(rng.uniform(0.6, 1.4), 85.0 / height)),
+        moon.azimuth + np.radians(rng.uniform(-12.0, 12.0)),
+    )
 
 
 @pytest.mark.parametrize("seed", range(12))
