@@ -68,7 +68,7 @@ _THIN: Final = 1e-4  #: Least lit share of a disc of which glint is computed [1]
 
 @dataclass(frozen=True)
 class LightDisc:
-    """LightDisc of a light in the sky: the Sun's, or the Moon's with its lit part.
+    """Disc of a light in the sky: the Sun's, or the Moon's with its lit part.
 
     The lit part lies between the limb and the terminator, half an ellipse, and has one radiance. Glint is that of a disc with the same
     solid angle about the middle of the lit part: a rough sea does not show its shape.
@@ -159,7 +159,7 @@ class SeaView:
     shadowing: Shadowing = NESTED
     background: Background = "facets"  #: Sea without the Sun, facets or a blackbody (``Background``).
     scattering: bool = True  #: Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
-    disc: LightDisc = SUN_DISC  #: LightDisc of the light with the Sun's angles here: the Sun's, or the Moon's in a view of ``lights``.
+    disc: LightDisc = SUN_DISC  #: Disc of the light with the Sun's angles here: the Sun's, or the Moon's in a view of ``lights``.
     moon: Moonlight | None = None  #: The Moon beside the Sun; None without one.
 
     def __post_init__(self) -> None:
