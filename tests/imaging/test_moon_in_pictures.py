@@ -9,7 +9,7 @@ import pytest
 from render_scenes import BAND, camera, elfouhaily, sea_view, shown, swept_scene, table_air, turned_scene
 
 from seaglint.air.vacuum import VacuumAtmosphere
-from seaglint.facet.sea_view import Disc, Moonlight
+from seaglint.facet.sea_view import LightDisc, Moonlight
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
 from seaglint.radiance.mean_radiance import mean_radiance
@@ -30,7 +30,7 @@ class OneWatt(VacuumAtmosphere):
 
 
 def moon(zenith_deg, phase_deg=0.0, limb_deg=0.0, ratio=np.ones_like, azimuth_deg=AZIMUTH):
-    return Moonlight(np.radians(zenith_deg), np.radians(azimuth_deg), Disc(RADIUS, ratio, np.radians(phase_deg), np.radians(limb_deg)))
+    return Moonlight(np.radians(zenith_deg), np.radians(azimuth_deg), LightDisc(RADIUS, ratio, np.radians(phase_deg), np.radians(limb_deg)))
 
 
 def faint(wavenumber_cm):
@@ -132,7 +132,7 @@ def test_the_expectation_of_waves_in_moonlight_is_the_mean_map():
     So every bar that the tests of the Sun set for the expectation of pictures holds for the Moon.
     """
     waves, slopes = elfouhaily(7.0), cox_munk_anisotropic(7.0, np.radians(30.0))
-    light = Moonlight(np.radians(75.0), np.radians(AZIMUTH), Disc(4.65e-3, faint))
+    light = Moonlight(np.radians(75.0), np.radians(AZIMUTH), LightDisc(4.65e-3, faint))
     sun = night(None, slopes, table_air(7.0), 75.0)
     sun, dark = replace(sun, scattering=False), night(light, slopes, table_air(7.0))
     eye = camera(HEIGHT, 0.5, -6.0, 120, azimuth=AZIMUTH, width=8.0, columns=40)

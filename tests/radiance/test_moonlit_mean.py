@@ -12,7 +12,7 @@ from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.conventions import surface_range, view_zenith
 from seaglint.base.errors import DomainError
 from seaglint.facet.legs import NESTED, VIEWER
-from seaglint.facet.sea_view import Disc, Moonlight, SeaView
+from seaglint.facet.sea_view import LightDisc, Moonlight, SeaView
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.moonlight import moon_radius, moon_to_sun
@@ -31,7 +31,9 @@ def moonlight(zenith_deg, azimuth_deg, phase_deg, limb_deg=0.0, distance_m=3.844
     """A Moon from its angles in degrees."""
     phase = np.radians(phase_deg)
     ratio = partial(moon_to_sun, phase=phase, distance_m=distance_m)
-    return Moonlight(np.radians(zenith_deg), np.radians(azimuth_deg), Disc(moon_radius(distance_m), ratio, phase, np.radians(limb_deg)))
+    return Moonlight(
+        np.radians(zenith_deg), np.radians(azimuth_deg), LightDisc(moon_radius(distance_m), ratio, phase, np.radians(limb_deg))
+    )
 
 
 def view_of(edges, slopes, moon, solar_zenith=SUN_DOWN, shadowing=VIEWER, air=None, **changes):
@@ -105,7 +107,13 @@ def drawn(seed):
     moon = moonlight(90.0 - height, rng.uniform(0.0, 360.0), rng.uniform(0.0, 120.0), rng.uniform(0.0, 360.0), rng.uniform(3.56e8, 4.07e8))
     slopes = cox_munk_isotropic(wind) if seed % 2 else cox_munk_anisotropic(wind, rng.uniform(0.0, 6.0))
     band = list(BANDS.values())[seed % 3 % 2]
-    return band, slopes, moon, np.radians(height * rng.uniform(0.6, 1.4)), moon.azimuth + np.radians(rng.uniform(-12.0, 12.0))
+    return (
+        band,
+        slopes,
+        moon,
+        np.radians(height * min(rng.uniform(0.6, 1.4), 85.0 / height)),
+        moon.azimuth + np.radians(rng.uniform(-12.0, 12.0)),
+    )
 
 
 @pytest.mark.parametrize("seed", range(12))

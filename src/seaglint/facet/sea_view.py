@@ -68,7 +68,7 @@ _THIN: Final = 1e-4  #: Least lit share of a disc of which glint is computed [1]
 
 
 @dataclass(frozen=True)
-class Disc:
+class LightDisc:
     """Disc of a light in the sky: the Sun's, or the Moon's with its lit part.
 
     The lit part lies between the limb and the terminator, half an ellipse, and has one radiance. Glint is that of a disc with the same
@@ -87,7 +87,7 @@ class Disc:
     def lit(self) -> float:
         """Share of the disc that is lit [1].
 
-        >>> Disc(4.5e-3, phase=0.5 * math.pi).lit
+        >>> LightDisc(4.5e-3, phase=0.5 * math.pi).lit
         0.5
         """
         # rounded: the cosine of a right angle is 6e-17
@@ -104,7 +104,7 @@ class Disc:
         return self.radius * math.sqrt(max(self.lit, _THIN))
 
 
-SUN_DISC: Final = Disc(SOLAR_ANGULAR_RADIUS)  #: The Sun's disc.
+SUN_DISC: Final = LightDisc(SOLAR_ANGULAR_RADIUS)  #: The Sun's disc.
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class Moonlight:
 
     zenith: float  #: Zenith angle of the disc's centre, apparent [rad].
     azimuth: float  #: Azimuth of the disc's centre, clockwise from north [rad].
-    disc: Disc  #: Radius, lit part and light.
+    disc: LightDisc  #: Radius, lit part and light.
 
     @property
     def middle(self) -> tuple[float, float]:
@@ -162,7 +162,7 @@ class SeaView:
     scattering: bool = True  #: Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
     #: Mean share of foam, for means; images have the share of each place. It does not count over a sea that is a blackbody.
     foam: FoamCover | None = None
-    disc: Disc = SUN_DISC  #: Disc of the light with the Sun's angles here: the Sun's, or the Moon's in a view of ``lights``.
+    disc: LightDisc = SUN_DISC  #: Disc of the light with the Sun's angles here: the Sun's, or the Moon's in a view of ``lights``.
     moon: Moonlight | None = None  #: The Moon beside the Sun; None without one.
 
     def __post_init__(self) -> None:

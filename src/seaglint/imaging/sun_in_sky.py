@@ -38,7 +38,7 @@ _LARGE: Final = 1.5  #: Angle from the Sun of all corners beyond which a pixel d
 
 
 class SunInSky(NamedTuple):
-    """Disc in the sky, or its lit part (``seaglint.facet.sea_view.Disc``)."""
+    """Disc in the sky, or its lit part (``seaglint.facet.sea_view.LightDisc``)."""
 
     radiance: float  #: Radiance of the lit part [W m-2 sr-1]; 0 without a disc.
     azimuth: float  #: Azimuth of the disc's centre [rad].

@@ -25,7 +25,7 @@ from seaglint.base.free_form import Attributes, JsonObject
 from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
 from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import VIEWER, Shadowing
-from seaglint.facet.sea_view import Disc, Moonlight, SeaView
+from seaglint.facet.sea_view import LightDisc, Moonlight, SeaView
 from seaglint.formats.tables.input_tables import COLUMNS, read_track
 from seaglint.formats.tables.spectra import read_response
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager
@@ -306,7 +306,7 @@ def lights(scenario: Scenario, step: int = 0) -> Lights:
         return Lights(sun, None)
     ratio = partial(moon_to_sun, phase=moon.phase, distance_m=moon.distance_m, sun_distance_au=moon.sun_distance_au)
     limb = _LOWER_LIMB if moon.bright_limb is None else moon.bright_limb
-    return Lights(sun, Moonlight(moon.zenith, moon.azimuth, Disc(moon.radius, ratio, moon.phase, limb)))
+    return Lights(sun, Moonlight(moon.zenith, moon.azimuth, LightDisc(moon.radius, ratio, moon.phase, limb)))
 
 
 def view(scenario: Scenario) -> SeaView:
