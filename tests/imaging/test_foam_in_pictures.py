@@ -7,8 +7,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-
 from render_scenes import BAND, SEA_TEMPERATURE, camera, elfouhaily, furnace, sea_view, shown, swept_scene, table_air
+
 from seaglint.facet.foam import FoamCover
 from seaglint.imaging.attitude_scene import TurnedScene
 from seaglint.imaging.camera.imager import Attitude, Imager
