@@ -33,7 +33,7 @@ TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 RUN_HERE = ["README.md", "docs/guide/python.md", "docs/guide/radiometer.md", "docs/guide/ensembles.md", "docs/guide/workbench.md"]
 """Pages whose Python the quick suite runs, in a folder with a small scenario."""
 
-FOLLOWED = [*TUTORIALS, DOCS / "guide" / "likelihood.md"]
+FOLLOWED = [*TUTORIALS, DOCS / "guide" / "likelihood.md", DOCS / "guide" / "foam.md"]
 """Pages of which each runs alone, its commands included."""
 
 VISITED = ["README.md", "docs/guide/tour.md"]

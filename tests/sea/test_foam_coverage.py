@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,6 @@ def test_coverage_rises_with_wind_without_steps(law: str) -> None:
     winds = np.linspace(0.0, 40.0, 4001)
     values = np.array([coverage(law, wind, extrapolate=True) for wind in winds])
     assert np.all(np.diff(values) >= 0.0)
-    assert values[0] < 1e-12 or law == "callaghan-2008"
     assert values[0] == 0.0
     assert values.max() <= 1.0
     assert np.diff(values).max() < 1.5e-3  # in 0.01 m/s, below 40 m/s
@@ -55,6 +56,19 @@ def test_winds_outside_the_law_are_refused(law: str) -> None:
     assert refused.value.allowed == (low, high)
     with pytest.raises(DomainError, match=r"outside 0-40 m/s of the wind profile"):
         coverage(law, 41.0, extrapolate=True)
+
+
+def test_the_guide_shows_these_numbers() -> None:
+    page = (Path(__file__).parents[2] / "docs/guide/foam.md").read_text(encoding="utf-8")
+    block = page.split("<!-- begin coverage")[1].split("<!-- end coverage")[0]
+    head, _, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in block.splitlines() if line.startswith("|")]
+    winds = [float(cell.removesuffix(" m/s")) for cell in head[1:]]
+    assert [row[0].strip("`") for row in rows] == list(FOAM_WINDS)
+    for law, *cells in rows:
+        for wind, cell in zip(winds, cells, strict=True):
+            beyond = cell.endswith(" (extrapolated)")
+            assert beyond == (wind > FOAM_WINDS[law.strip("`")][1])
+            assert cell.removesuffix(" (extrapolated)") == f"{100.0 * coverage(law.strip('`'), wind, extrapolate=beyond):.3g}"
 
 
 def test_unknown_law() -> None:

@@ -76,8 +76,6 @@ class SeaView:
     #: never hide the sky of these facets, apart from the facets that mirror the sea.
     shadowing: Shadowing = NESTED
     background: Background = "facets"  #: Sea without the Sun, facets or a blackbody (``Background``).
-    #: Mean share of foam, for means; images have the share of each place. It does not count over a sea that is a blackbody.
-    foam: FoamCover | None = None
     scattering: bool = True  #: Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
     #: Mean share of foam, for means; images have the share of each place. It does not count over a sea that is a blackbody.
     foam: FoamCover | None = None

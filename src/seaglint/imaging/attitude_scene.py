@@ -37,11 +37,12 @@ from seaglint.imaging.camera.imager import (
 from seaglint.imaging.camera.pose import Pose, Track
 from seaglint.imaging.layers import COVERAGE, EMITTED, PATH, SKY, SUN, TOTAL, Layers, layers_of, planes_for, require_layers
 from seaglint.imaging.rays import RayTables, ray_tables, rays_per_side
-from seaglint.imaging.scene import Accuracy, Instant, Levels, require_columns, scene_foam
+from seaglint.imaging.scene import CLEAR, Accuracy, Instant, Levels, require_columns, scene_foam
 from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles
 from seaglint.imaging.sun_in_sky import SunInSky, disc_in_pixels, sun_in_sky
 from seaglint.imaging.upright_scene import SAME, SweptScene, beyond, require_above, require_dry
 from seaglint.sea.foam.foam_field import FoamField
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.wave_field import Detail, WaveField
 
 
@@ -411,12 +412,12 @@ class TurnedScene:
         """Return the view of sea, air and Sun from the height of a pose."""
         return self._prepared(pose.height).view
 
-    def sea(self, pose: Pose, time: float) -> Instant:
-        """Return the sea of an instant under a sensor."""
+    def sea(self, pose: Pose, time: float, ships: FoamSegments | None = NO_SEGMENTS) -> Instant:
+        """Return the sea of an instant under a sensor, with the foam of ships, or without any foam."""
         prepared = self._prepared(pose.height)
         levels = prepared.swept.levels if prepared.swept is not None else self._whole
         lattices = levels.lattices(time)
-        foam = scene_foam(prepared.view, self.breaking).at(time)
+        foam = CLEAR if ships is None else scene_foam(prepared.view, self.breaking).at(time, ships)
         return Instant(levels, lattices, levels.surface(lattices, (pose.east, pose.north), foam))
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel
 from seaglint.sea.foam.foam_field import FoamTiles
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.tiles import Tile, Wander
 
 
@@ -24,7 +25,8 @@ class FoamSurface(NamedTuple):
 
     ``share``: the pyramids of all tiles one after another; ``tile[t] = (address of the pyramid, cells along a side)``; ``grid[t] = (cells
     per metre, cos, sin of the tile's turn, u, v under the sensor)`` and ``wander[t]`` as in ``Surface``, in cells; ``row[l, t]``: place of
-    the tile among the parts of level l, -1 where the level omits it; ``even``: share everywhere, of a sea without resolved waves.
+    the tile among the parts of level l, -1 where the level omits it; ``even``: share everywhere, of a sea without resolved
+    waves; ``ships``: foam of ships, by places east and north, and ``origin``: place under the sensor [m].
     """
 
     share: np.ndarray
@@ -33,13 +35,14 @@ class FoamSurface(NamedTuple):
     wander: np.ndarray
     row: np.ndarray
     even: float
+    origin: tuple[float, float]
+    ships: FoamSegments
 
 
-def even_foam(share: float) -> FoamSurface:
-    """Return a sea with the same share of foam everywhere."""
-    return FoamSurface(
-        np.zeros(0, np.float32), np.zeros((0, 2), np.int64), np.zeros((0, 5)), np.zeros((0, 0, 5)), np.zeros((0, 0), np.int64), share
-    )
+def even_foam(share: float, origin: tuple[float, float] = (0.0, 0.0), ships: FoamSegments = NO_SEGMENTS) -> FoamSurface:
+    """Return a sea with the same share of foam everywhere, and that of ships."""
+    none, numbers = np.zeros((0, 5)), np.zeros((0, 2), np.int64)
+    return FoamSurface(np.zeros(0, np.float32), numbers, none, np.zeros((0, 0, 5)), numbers, share, origin, ships)
 
 
 NO_FOAM_SURFACE: Final = even_foam(0.0)  #: A sea without foam.
@@ -58,7 +61,12 @@ def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArra
 
 
 def foam_surface(
-    foam: FoamTiles, tiles: tuple[Tile, ...], wander: tuple[Wander, ...], rows: NDArray[np.int64], origin: tuple[float, float]
+    foam: FoamTiles,
+    tiles: tuple[Tile, ...],
+    wander: tuple[Wander, ...],
+    rows: NDArray[np.int64],
+    origin: tuple[float, float],
+    ships: FoamSegments = NO_SEGMENTS,
 ) -> FoamSurface:
     """Return the foam of an instant around a sensor above ``origin``, east and north [m].
 
@@ -74,6 +82,8 @@ def foam_surface(
         ``FoamSurface.row``.
     origin : (float, float)
         Point under the sensor [m].
+    ships : FoamSegments
+        Foam of ships.
     """
     size = np.array(foam.size, np.int64)
     cell = np.array([tile.length for tile in tiles]) / size
@@ -84,7 +94,7 @@ def foam_surface(
     grid: FloatArray = np.stack([1.0 / cell, c, s, u, v], axis=1)
     moved = wander_rows(wander, cell, turn, origin) if wander else np.zeros((len(tiles), 0, 5))
     places = np.stack([first, size], axis=1).astype(np.int64)
-    return FoamSurface(np.concatenate(foam.share), places, grid, moved, rows, 0.0)
+    return FoamSurface(np.concatenate(foam.share), places, grid, moved, rows, 0.0, origin, ships)
 
 
 @kernel

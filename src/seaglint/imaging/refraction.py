@@ -29,6 +29,7 @@ from seaglint.imaging.layers import LEAST_SEEN, SPARKLE, Layers, share_of_glint
 from seaglint.imaging.scene import Instant, image
 from seaglint.imaging.upright_scene import SweptScene
 from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.wave_field import WaveField
 
 RAYS_PER_ROW: Final = 8  #: Number of rays followed through each row of pixels.
@@ -325,9 +326,9 @@ class RefractedScene:
         """Return the view of sea, air and Sun, equal for all poses."""
         return self.view
 
-    def sea(self, pose: Pose, time: float) -> Instant:
+    def sea(self, pose: Pose, time: float, ships: FoamSegments | None = NO_SEGMENTS) -> Instant:
         """Return the sea at a time [s] under a sensor."""
-        return self.standard.sea(pose, time)
+        return self.standard.sea(pose, time, ships)
 
     def directions(self, pose: Pose) -> tuple[FloatArray, FloatArray]:
         """Return the azimuths of the columns and the elevations of the rows [rad]."""

@@ -22,6 +22,7 @@ from seaglint.imaging.launch import surface_of
 from seaglint.imaging.layers import Layers
 from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Bounds, Surface, steepest_rise
 from seaglint.sea.foam.foam_field import FoamField, FoamTiles
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.wave_field import Detail, WaveField
 
 
@@ -97,10 +98,11 @@ class SceneFoam(NamedTuple):
     share: float = 0.0  #: Share of a sea without resolved waves [1].
     field: FoamField | None = None  #: Breaking waves of a sea with resolved waves.
     tiles: FoamTiles | None = None  #: Their foam at the instant.
+    ships: FoamSegments = NO_SEGMENTS  #: Foam of ships at the instant.
 
-    def at(self, time: float) -> SceneFoam:
-        """Return the foam at a time [s]."""
-        return self if self.field is None else self._replace(tiles=self.field.shares(time))
+    def at(self, time: float, ships: FoamSegments = NO_SEGMENTS) -> SceneFoam:
+        """Return the foam at a time [s], with the foam of ships."""
+        return self._replace(tiles=None if self.field is None else self.field.shares(time), ships=ships)
 
     def reseeded(self, waves: WaveField | None, seed: int) -> SceneFoam:
         """Return the foam of another realisation of the same sea."""
@@ -204,14 +206,14 @@ class Levels:
     def _foam(self, foam: SceneFoam, origin: tuple[float, float]) -> FoamSurface:
         """Return the foam of an instant; tiles are found among the parts of each level by their lengths."""
         if foam.field is None or foam.tiles is None:
-            return even_foam(foam.share)
+            return even_foam(foam.share, origin, foam.ships)
         waves, parts = foam.field.waves, self.detail.parts
         length = [part.tiles[0].length for part in parts]
         rows = np.full((len(self.detail.levels), len(waves.tiles)), -1, np.int64)
         for i, level in enumerate(self.detail.levels):
             for j, p in enumerate(level.parts):
                 rows[i, [tile.length for tile in waves.tiles].index(length[p])] = j
-        return foam_surface(foam.tiles, waves.tiles, waves.wander, rows, origin)
+        return foam_surface(foam.tiles, waves.tiles, waves.wander, rows, origin, foam.ships)
 
     def bounds(self, lattices: tuple[NDArray[np.float32], ...]) -> Bounds:
         """Return the bounds of the sea that determine the steps of rays over the finest level."""
@@ -403,8 +405,8 @@ class Scene(Protocol):
         """Return the view of sea, air and Sun from a pose."""
         ...
 
-    def sea(self, pose: Pose, time: float) -> Instant:
-        """Return the sea of an instant under a sensor."""
+    def sea(self, pose: Pose, time: float, ships: FoamSegments | None = NO_SEGMENTS) -> Instant:
+        """Return the sea of an instant under a sensor, with the foam of ships; None: a sea without any foam, which takes less time."""
         ...
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:

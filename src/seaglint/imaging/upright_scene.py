@@ -28,13 +28,14 @@ from seaglint.imaging import launch
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager, pixels_of
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed
-from seaglint.imaging.scene import Accuracy, Instant, Levels, SceneFoam, averaged_share, joined, require_columns, scene_foam
+from seaglint.imaging.scene import CLEAR, Accuracy, Instant, Levels, SceneFoam, averaged_share, joined, require_columns, scene_foam
 from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles, sparkle_rows
 from seaglint.imaging.sun_in_sky import NO_SUN, sun_in_sky
 from seaglint.imaging.sweep.sweep import SHARED, Rows, Swept
 from seaglint.imaging.sweep.walk import PATH_EVERY, Merging, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
 from seaglint.imaging.wave_surface import Surface
 from seaglint.sea.foam.foam_field import FoamField
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.shadowing.smith import smith_lambda
 from seaglint.sea.slopes.slope_statistics import gaussian_slopes
 from seaglint.sea.wave_field import WaveField
@@ -231,10 +232,11 @@ class SweptScene:
         """Return the view of sea, air and Sun, equal for all poses."""
         return self.view
 
-    def sea(self, pose: Pose, time: float) -> Instant:
-        """Return the sea at a time [s] under a sensor."""
+    def sea(self, pose: Pose, time: float, ships: FoamSegments | None = NO_SEGMENTS) -> Instant:
+        """Return the sea at a time [s] under a sensor, with the foam of ships, or without any foam."""
+        foam = CLEAR if ships is None else self.foam.at(time, ships)
         lattices = self._levels.lattices(time)
-        return Instant(self._levels, lattices, self._levels.surface(lattices, (pose.east, pose.north), self.foam.at(time)))
+        return Instant(self._levels, lattices, self._levels.surface(lattices, (pose.east, pose.north), foam))
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
         """Return the image from a pose at a time [s]."""

@@ -25,6 +25,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.sunlight import Sunlight
 from seaglint.imaging.foam_surface import NO_FOAM_SURFACE, FoamSurface, tile_share, wandered
+from seaglint.sea.foam.ship_foam import segments_share
 
 STRIP = 64  #: Number of samples of a line that are read together.
 
@@ -331,6 +332,8 @@ def foam_share(surface: Surface, level: int, line: SurfaceLine, away: tuple[floa
         else:
             u, v = wandered(foam, t, away, r)
         total += tile_share(foam, t, u, v, octaves + math.log2(foam.grid[t, 0]))
+    if foam.ships.segments.shape[0] > 0:
+        total = max(total, segments_share(foam.ships, foam.origin[0] + r * away[0], foam.origin[1] + r * away[1]))
     return min(total, 1.0)
 
 

@@ -6,10 +6,10 @@ sweeps the area ``c`` per length and time, and a place that it has passed is foa
 
 References
 ----------
-Phillips, J. Fluid Mech. 156, 505 (1985). Melville and Matusov, Nature 417, 58 (2002). Reul and Chapron, J. Geophys. Res. 108, 3127
+Phillips, J. Fluid Mech. 156, 505 (1985). Melville and Matusov, Nature 417, 58 (2002). Reul and Chapron, J. Geophys. Res. 108, 3321
 (2003): life of foam. Rapp and Melville, Phil. Trans. R. Soc. A 331, 735 (1990), and Banner et al., Phys. Rev. Lett. 112, 114502 (2014):
 breaking crests are slower than their waves. Korinenko et al., Phys. Oceanogr. 27 (2020), statistical characteristics of wave breakings:
-length of crests; the same authors on the lifetime of whitecaps from the same platform: time of breaking.
+length of crests; the same authors in Fundamental and Applied Hydrophysics: lifetime of whitecaps.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ steepest crests, at places with the density
 .. math:: p(x) \propto \max(s(x) - a \sigma_s, 0)^2, \qquad s = \sum_k |k| \zeta_k
 
 with s the steepness of the waves ``zeta_k`` of the tile, and a = 1.5, less where foam covers more than a sixtieth of the sea. A breaker
-runs along the direction in which the steepness is curved most, its crest grows and shrinks as a half ellipse, and it leaves foam that
+runs between downwind and the line across its wave's crest, its own crest grows and shrinks as a half ellipse, and it leaves foam that
 grows, stays, decays and drifts with the water. Slots are functions of their number: the foam of an instant depends on scenario, seed and
 time alone.
 
@@ -45,6 +45,10 @@ DRIFT: Final = 0.03
 
 SLOT_PERIODS: Final = 0.75  #: Length of a slot over the period of the tile's middle wave [1].
 SLOTS_S: Final = (0.5, 4.0)  #: Shortest and longest slot [s].
+
+#: Angle of breakers from downwind over that of the line across the crest where they begin: short waves run in all directions, but mostly
+#: those that run nearly downwind break (Melville and Matusov 2002: within some 40 degrees).
+ACROSS_CRESTS: Final = 0.5
 
 RISE: Final = 0.1  #: Time in which foam grows at a place, over the time for which its crest feeds it [1].
 
@@ -261,7 +265,7 @@ def _bands(waves: WaveField, crests: BreakingCrests) -> tuple[_Band | None, ...]
 
 
 def _across_crests(steep: NDArray[np.float32], row: NDArray[np.intp], column: NDArray[np.intp], wind: tuple[float, float]) -> FloatArray:
-    """Return unit vectors across the crests of a lattice at some points, downwind: the direction of the strongest curvature (n, 2)."""
+    """Return directions of breakers at points of a lattice (n, 2): between downwind and the direction of the strongest curvature."""
     n = steep.shape[0]
 
     def at(i: int, j: int) -> FloatArray:
@@ -270,11 +274,12 @@ def _across_crests(steep: NDArray[np.float32], row: NDArray[np.intp], column: ND
     middle = at(0, 0)
     uu, vv = at(0, 1) + at(0, -1) - 2.0 * middle, at(1, 0) + at(-1, 0) - 2.0 * middle
     uv = 0.25 * (at(1, 1) + at(-1, -1) - at(1, -1) - at(-1, 1))
-    # the axis of the smaller, most negative eigenvalue
+    # the axis of the smaller, most negative eigenvalue; of its two directions the one downwind
     angle = 0.5 * np.arctan2(2.0 * uv, uu - vv) + 0.5 * np.pi
-    out = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    along = out @ np.array(wind)
-    return np.asarray(np.where(along[:, None] < 0.0, -out, out))
+    downwind = math.atan2(wind[1], wind[0])
+    off = np.mod(angle - downwind + 0.5 * np.pi, np.pi) - 0.5 * np.pi
+    angle = downwind + ACROSS_CRESTS * off
+    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
 def _pattern(seed: int) -> NDArray[np.float32]:

@@ -608,7 +608,7 @@ def _waves(scene: Scene, pose: Pose, time: float) -> tuple[Levels, Surface] | No
     """Return the resolved waves of an instant before a sensor; None of a flat sea."""
     if scene.waves is None:
         return None
-    sea = scene.sea(pose, time)
+    sea = scene.sea(pose, time, None)
     return sea.levels, sea.surface
 
 

@@ -31,6 +31,7 @@ from seaglint.objects.drawing.light import Counting
 from seaglint.optics.band import apparent_temperature
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SunPosition, sun_position, sun_step
+from seaglint.sea.foam.ship_foam import NO_SEGMENTS
 from seaglint.sea.wave_field import WaveField
 from seaglint.store.layout import Layout
 from seaglint.store.provenance import provenance
@@ -160,7 +161,7 @@ class Sequence:
         if self.objects is None:
             layers = image(scene, pose, time) if columns is None else scene.columns(pose, time, columns)
             return DrawnImage(layers, layers.radiance, ())
-        sea = scene.sea(pose, time)
+        sea = scene.sea(pose, time, NO_SEGMENTS if scene.view.foam is None else self.objects.foam(time))
         layers = image(scene, pose, time, sea) if columns is None else scene.columns(pose, time, columns, sea)
         window = (columns or (0, scene.pixels.columns), (0, scene.pixels.rows))
         return self.objects.draw(scene, pose, time, (layers, sea), window, compose=compose)
@@ -171,7 +172,7 @@ class Sequence:
             return ()
         scene, pose = self.scene_at(time), self.track.at(time)
         dark = np.zeros((scene.pixels.rows, columns[1] - columns[0]), np.float32)
-        image = Layers({"radiance": dark, "glint_radiance": dark}), scene.sea(pose, time)
+        image = Layers({"radiance": dark, "glint_radiance": dark}), scene.sea(pose, time, None)
         return self.objects.draw(scene, pose, time, image, (columns, (0, scene.pixels.rows))).sights
 
     def scene_at(self, time: float) -> Scene:

@@ -30,7 +30,9 @@ from seaglint.objects.drawing.draw import Drawer, Stage
 from seaglint.objects.drawing.image_path import SHORT, Streak, View, path_about
 from seaglint.objects.drawing.light import Counting
 from seaglint.objects.drawing.truth import labels, numbers_of, size_classes
+from seaglint.objects.wakes import foam_of_ships
 from seaglint.scenario.model import Scenario
+from seaglint.sea.foam.ship_foam import FoamSegments
 from seaglint.sea.wave_field import WaveField
 from seaglint.store.layout import Truth, packed
 
@@ -172,6 +174,10 @@ class SceneObjects:
     def over(self, waves: WaveField | None) -> SceneObjects:
         """Return the objects over another realisation of the sea."""
         return replace(self, drawer=self.drawer.moved(self._bodies(waves)))
+
+    def foam(self, time: float) -> FoamSegments:
+        """Return the foam of the ships among them at a time [s]."""
+        return foam_of_ships(self.drawer.bodies, time)
 
     @property
     def names(self) -> tuple[str, ...]:
