@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from pictures import save
@@ -38,9 +39,10 @@ SCENE: dict[str, Any] = {
     "sea": {"shortest_wave_m": 0.25},
     "render": {"layers": ["foam_share"]},
 }
-INTERVAL, FRAMES = 0.5, 5  # s, of the strip
-CROP = (64, 160)  # rows and columns of the strip
-MIDDLE, BEFORE = 4.0, 0.5  # s: an instant at which a breaker is looked for, and what of its life is shown before
+INTERVAL, FRAMES = 0.5, 10  # s, of a breaker's life
+CROP = (96, 192)  # rows and columns of it
+WAIT = 12  # frames among whose beginnings that of a breaker is looked for
+INSTANT = 4.0  # s, of the two bands
 
 
 class Picture(NamedTuple):
@@ -51,10 +53,11 @@ class Picture(NamedTuple):
     camera: Camera
 
 
-def pictures(band: tuple[float, float], foam: bool, times: FloatArray) -> list[Picture]:
-    """Apparent temperature and shares of foam of some instants [s]."""
+def pictures(band: tuple[float, float], foam: bool, times: FloatArray, **sensor: Any) -> list[Picture]:
+    """Apparent temperature and shares of foam of some instants [s]; ``sensor``: other keys of the sensor."""
+    sensor = {**SCENE["sensor"], **sensor}
     sea = {**SCENE["sea"], **({"foam": {}} if foam else {})}
-    scenario = parse_scenario({**SCENE, "band": {"min_um": band[0], "max_um": band[1]}, "sea": sea})
+    scenario = parse_scenario({**SCENE, "sensor": sensor, "band": {"min_um": band[0], "max_um": band[1]}, "sea": sea})
     scene, camera = prepare_sequence(scenario).scene, scenario_physics.camera(scenario)
     drawn = [image(scene, scene.pose, time) for time in times.tolist()]
     grid = scene.view.atmosphere.wavenumber_cm
@@ -72,8 +75,10 @@ def bar(axes: Axes, camera: Camera, elevation: float) -> None:
     """Draw a bar of some metres across the line of sight at an elevation [deg]."""
     distance = float(surface_range(camera.height, np.radians([-elevation]))[0])
     half = 0.5 * np.degrees(BAR / distance)
-    axes.plot([-half, half], [elevation] * 2, color="tab:orange", lw=1.5)
-    axes.text(half, elevation, f" {BAR:g} m at {distance:.0f} m", color="tab:orange", fontsize=7, va="center")
+    outline = [withStroke(linewidth=3.0, foreground="black")]
+    axes.plot([-half, half], [elevation] * 2, color="tab:orange", lw=2.0, path_effects=outline)
+    text = f"  {BAR:g} m at {distance:.0f} m"
+    axes.text(half, elevation, text, color="tab:orange", fontsize=8, va="center", path_effects=outline)
 
 
 def foam() -> Figure:
@@ -81,7 +86,7 @@ def foam() -> Figure:
     figure = Figure(figsize=(11.0, 6.0), layout="constrained")
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     for pair, band in zip(panels, BANDS, strict=True):
-        found = [pictures(band, foam, np.array([MIDDLE]))[0] for foam in (False, True)]
+        found = [pictures(band, foam, np.array([INSTANT]))[0] for foam in (False, True)]
         low, high = np.quantile(found[1].kelvin, (0.002, 0.998))
         for axes, one, title in zip(pair, found, ("without foam", "with foam"), strict=True):
             box = extent(one.camera)
@@ -92,40 +97,39 @@ def foam() -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel("azimuth [deg]")
     for elevation in (-5.0, -13.0):
-        bar(panels[0, 1], found[1].camera, elevation)
+        bar(panels[0, 0], found[1].camera, elevation)
     return figure
 
 
 def foam_life() -> Figure:
-    """The brightest breaker of an instant, from its beginning on: apparent temperature and share of foam."""
-    times = MIDDLE - BEFORE + INTERVAL * np.arange(FRAMES)
-    found = pictures(BANDS[0], True, times)
-    rows, columns = place(found[1].share)
-    figure = Figure(figsize=(11.0, 2.6), layout="constrained")
-    panels = figure.subplots(2, FRAMES, sharex=True, sharey=True)
+    """The life of a breaker, from the frame before its beginning on."""
+    found = pictures(BANDS[0], True, INTERVAL * np.arange(WAIT + FRAMES), elevation_deg=-14.0, fov_deg=[12.0, 6.0])
+    first, rows, columns = beginning(np.stack([one.share for one in found]))
+    found = found[first : first + FRAMES]
+    figure = Figure(figsize=(11.0, 3.2), layout="constrained")
+    panels = figure.subplots(2, FRAMES // 2, sharex=True, sharey=True)
     box = extent(found[0].camera, rows, columns)
-    seen = np.stack([one.kelvin[rows, columns] for one in found])
-    low, high = np.quantile(seen, (0.005, 0.998))
-    for column, (one, time) in enumerate(zip(found, times, strict=True)):
-        warm = panels[0, column].imshow(one.kelvin[rows, columns], cmap="gray", vmin=low, vmax=high, interpolation="nearest", extent=box)
-        white = panels[1, column].imshow(one.share[rows, columns], cmap="gray", vmin=0.0, vmax=1.0, interpolation="nearest", extent=box)
-        panels[0, column].set_title(f"{time - times[0]:g} s", fontsize=9)
-        panels[1, column].set_xlabel("azimuth [deg]", fontsize=8)
+    low, high = np.quantile([one.kelvin[rows, columns] for one in found], (0.005, 0.998))
+    for number, (axes, one) in enumerate(zip(panels.flat, found, strict=True)):
+        shown = axes.imshow(one.kelvin[rows, columns], cmap="gray", vmin=low, vmax=high, interpolation="nearest", extent=box)
+        axes.set_title(f"{INTERVAL * number:g} s", fontsize=9)
+    for axes in panels[-1]:
+        axes.set_xlabel("azimuth [deg]", fontsize=8)
     for axes in panels[:, 0]:
-        axes.set_ylabel("elev. [deg]", fontsize=8)
-    figure.colorbar(warm, ax=panels[0], pad=0.01).set_label("temp. [K]", fontsize=8)
-    figure.colorbar(white, ax=panels[1], pad=0.01).set_label("foam [1]", fontsize=8)
+        axes.set_ylabel("elevation [deg]", fontsize=8)
+    figure.colorbar(shown, ax=panels, extend="both", pad=0.01).set_label("apparent temperature [K]", fontsize=8)
     return figure
 
 
-def place(share: NDArray[np.float32]) -> tuple[slice, slice]:
-    """Rows and columns of the strip around the part of a picture with most foam, in the nearer half of the sea."""
+def beginning(share: NDArray[np.float32]) -> tuple[int, slice, slice]:
+    """Frame, rows and columns of the breaker that leaves most foam where there was none."""
     rows, columns = CROP
-    sums = np.pad(share.astype(np.float64), ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
-    inside = sums[rows:, columns:] - sums[:-rows, columns:] - sums[rows:, :-columns] + sums[:-rows, :-columns]
-    inside[: share.shape[0] // 3] = 0.0
-    row, column = (int(i) for i in np.unravel_index(int(inside.argmax()), inside.shape))
-    return slice(row, row + rows), slice(column, column + columns)
+    sums = np.pad(share.astype(np.float64), ((0, 0), (1, 0), (1, 0))).cumsum(axis=1).cumsum(axis=2)
+    inside = sums[:, rows:, columns:] - sums[:, :-rows, columns:] - sums[:, rows:, :-columns] + sums[:, :-rows, :-columns]
+    # foam of the middle of the strip, less what is there before and at its end
+    life = inside[FRAMES // 3 :][:WAIT] - 3.0 * inside[:WAIT] - 0.5 * inside[FRAMES - 1 :][:WAIT]
+    frame, row, column = (int(i) for i in np.unravel_index(int(life.argmax()), life.shape))
+    return frame, slice(row, row + rows), slice(column, column + columns)
 
 
 PICTURES: dict[str, Callable[[], Figure]] = {"foam": foam, "foam_life": foam_life}

@@ -60,16 +60,16 @@ def foam_scene(band: tuple[float, float], wind: float, azimuth: float, foam: boo
         update={
             "band": plain.band.model_copy(update={"min_um": band[0], "max_um": band[1]}),
             "sea": plain.sea.model_copy(update={"foam": Foam() if foam else None}),
-            "render": plain.render.model_copy(update={"layers": ("foam_share",)}),
+            "render": plain.render.model_copy(update={"layers": ("foam_share",) if foam else ()}),
         }
     )
 
 
-def pictures(scenario: Scenario) -> tuple[SeaView, Pictures, Pictures]:
-    """The view of a scene, its radiance and its shares of foam [(frames, rows, columns)], with the margin."""
+def pictures(scenario: Scenario, *layers: str) -> tuple[SeaView, *tuple[Pictures, ...]]:
+    """The view of a scene and layers of its frames [(frames, rows, columns)], with the margin."""
     prepared = prepare_sequence(scenario).scene
     drawn = [image(prepared, prepared.pose, frame / FRAME_RATE) for frame in range(scenario.sensor.frames)]
-    return prepared.view, np.stack([one.radiance for one in drawn]), np.stack([one["foam_share"] for one in drawn])
+    return prepared.view, *(np.stack([one[layer] for one in drawn]) for layer in layers)
 
 
 def counted(place: Place, frames: Pictures, mask: Mask, foam: bool, sensed: bool) -> Iterator[Row]:
@@ -107,10 +107,10 @@ def contrast(place: Place, view: SeaView, water: Pictures, foamy: Pictures, shar
 
 def of_picture(band: tuple[float, float], wind: float, azimuth: float, frames: int) -> tuple[list[Row], list[tuple[str, ...]]]:
     """Rates of one picture's regions with and without foam, and their contrasts."""
-    view, water, _ = pictures(foam_scene(band, wind, azimuth, False, frames))
-    _, foamy, share = pictures(foam_scene(band, wind, azimuth, True, frames))
+    wide = foam_scene(band, wind, azimuth, False, frames)
+    view, water = pictures(wide, "radiance")
+    _, foamy, share = pictures(foam_scene(band, wind, azimuth, True, frames), "radiance", "foam_share")
     if azimuth == TOWARDS:
-        wide = foam_scene(band, wind, azimuth, False, frames)
         glint = corridor(view, scenario_physics.camera(wide))[INNER]
         regions = {"glint": glint, "background": ~glint}
     else:
