@@ -26,7 +26,7 @@ from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import NESTED
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics.band import Band
-from seaglint.optics.foam import BUBBLES
+from seaglint.optics.foam_reflectance import BUBBLES
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import sea_variance

@@ -13,7 +13,7 @@ from seaglint.facet.path_basis import path_basis
 from seaglint.facet.sunlight import sunlight, sunlight_at
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.optics.foam import BUBBLES
+from seaglint.optics.foam_reflectance import BUBBLES
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 from seaglint.studies.build.profile_air import model_air
 

@@ -10,7 +10,7 @@ from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.base.conventions import horizon_depression, view_zenith
 from seaglint.facet.foam import FoamCover
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.optics.foam import BUBBLES, diffuse_reflectance, foam_emissivity
+from seaglint.optics.foam_reflectance import BUBBLES, diffuse_reflectance, foam_emissivity
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.foam_mean import FoamMean
 from seaglint.radiance.mean_radiance import MeanModel, mean_radiance

@@ -44,7 +44,7 @@ def one_breaker(speed: float = 4.0, heading: float = 0.4, crests: BreakingCrests
 def drawn(breaker: Breakers, time: float, cell: float = 0.125, n: int = 512, drift: tuple[float, float] = (0.2, 0.1)) -> np.ndarray:
     """Return the foam of breakers alone."""
     out = np.zeros((n, n), np.float32)
-    foam_field.draw_breakers(breaker, time, cell, drift, out)
+    foam_field.draw_breakers(breaker, time, 0.0, True, cell, drift, out)
     return out
 
 
@@ -159,7 +159,7 @@ def test_holes_keep_the_share() -> None:
     pattern = foam_field._pattern(3)
     for share in (0.0, 0.02, 0.3, 0.5, 0.77, 0.99, 1.0):
         cells = np.full(pattern.shape, share, np.float32)
-        foam_field.lace(cells, pattern)
+        foam_field.finish(cells, pattern, True)
         assert cells.mean() == pytest.approx(share, abs=2e-3)
         assert cells.min() >= 0.0
         assert cells.max() <= 1.0
@@ -173,11 +173,11 @@ def test_readings_keep_the_mean_and_change_without_a_jump() -> None:
     for t, tile in enumerate(tiles):
         mean = float(field.shares(5.0).share[t][-1])
         places = rng.random((4000, 2)) * foam.tile[t, 1]
-        for octaves in (-3.0, 0.4, 2.5, 5.0):
-            found = np.array([foam_surface.tile_share(foam, t, u, v, octaves) for u, v in places])
+        for width in (0.1, 1.4, 5.6, 32.0):
+            found = np.array([foam_surface.tile_share(foam, t, u, v, width) for u, v in places])
             assert found.mean() == pytest.approx(mean, abs=5.0 * found.std() / np.sqrt(4000) + 1e-6)
-        assert foam_surface.tile_share(foam, t, 3.0, 4.0, 40.0) == pytest.approx(mean, rel=1e-4)
-        u, v = places[np.argmax([foam_surface.tile_share(foam, t, u, v, 1.0) for u, v in places])]
-        along = np.array([foam_surface.tile_share(foam, t, u, v, octaves) for octaves in np.linspace(-1.0, 11.0, 2401)])
+        assert foam_surface.tile_share(foam, t, 3.0, 4.0, 1e12) == pytest.approx(mean, rel=1e-4)
+        u, v = places[np.argmax([foam_surface.tile_share(foam, t, u, v, 2.0) for u, v in places])]
+        along = np.array([foam_surface.tile_share(foam, t, u, v, width) for width in np.geomspace(0.5, 2048.0, 2401)])
         assert np.abs(np.diff(along)).max() < 0.02
         assert tile.length == pytest.approx(foam.tile[t, 1] / foam.grid[t, 0])

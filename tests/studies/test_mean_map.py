@@ -221,3 +221,22 @@ def test_blocks_of_rows_give_the_whole_map_and_report_progress(tables, monkeypat
     assert len(done) > 5
     assert list(done) == sorted(set(done))
     assert len(set(totals)) == 1
+
+
+def test_foam_is_mixed_by_the_law_and_left_out_by_the_article():
+    sea = {"water": "hale-querry-sea", "slopes": {"kind": "cox-munk-isotropic"}}
+    wind = {"speed_m_s": 15.0}
+    plain, foamy = (mean_map("spectral", wind=wind, sea=sea | foam) for foam in ({}, {"foam": {}}))
+    share = 2.95e-6 * 15.0**3.52
+    assert foamy.attrs["foam_share"] == pytest.approx(share)
+    assert "foam_share" not in plain.attrs
+    below = (plain["elevation"] < -0.02).values
+    # foam emits more than the rough sea and mirrors less: up to some 0.4 of the mirrored part of its share
+    more = (foamy["emitted_radiance"] / plain["emitted_radiance"]).values[below]
+    assert more.min() > 1.0
+    assert more.max() < 1.0 + share
+    assert (foamy["glint_std"].values[below] <= plain["glint_std"].values[below]).all()
+    np.testing.assert_array_equal(foamy["path_radiance"], plain["path_radiance"])
+    article, without = (mean_map("article", wind=wind, sea=sea | foam) for foam in ({"foam": {}}, {}))
+    np.testing.assert_array_equal(article["radiance"], without["radiance"])
+    assert "foam_share" not in article.attrs

@@ -1,7 +1,7 @@
 """Light of foam on a facet, for kernels, and the share of the sea that is foam, for means.
 
-By the law of ``seaglint.optics.foam`` foam is water of which a share is replaced by bubbles: what mirrors in it are the facets of the sea
-beside it, with their slopes, sky and glint. So a place whose share of foam is F has
+By the law of ``seaglint.optics.foam_reflectance`` foam is water of which a share is replaced by bubbles: what mirrors in it are the facets
+of the sea beside it, with their slopes, sky and glint. So a place whose share of foam is F has
 
     L = (1 - F) water + F foam,    foam = (1 - b) water + bubbles
 
@@ -22,7 +22,7 @@ import numpy as np
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel
 from seaglint.facet.sunlight import Sunlight
-from seaglint.optics.foam import BUBBLES
+from seaglint.optics.foam_reflectance import BUBBLES
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sky import is_dark, mirrored_sky
 from seaglint.facet.sunlight import visible_sun
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.optics.foam import BUBBLES, diffuse_reflectance
+from seaglint.optics.foam_reflectance import BUBBLES, diffuse_reflectance
 
 #: Numbers of elevations and azimuths of the quadrature of the sky, crowded at the horizontal and near the Sun: within 1e-3 of a finer one.
 _ELEVATIONS: Final = 48

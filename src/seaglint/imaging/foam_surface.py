@@ -98,34 +98,33 @@ def foam_surface(
 
 
 @kernel
-def pyramid_level(share: np.ndarray, first: int, size: int, u: float, v: float) -> float:
-    """Return the share at a place (u, v) [cells of the level], bilinear between the middles of its cells; the tile is periodic."""
-    x, y = u - 0.5, v - 0.5
+def corners(share: np.ndarray, first: int, size: int, x: float, y: float) -> tuple[float, float, float, float, float, float]:
+    """Return the four cells of a level around a place and the fractions between them; ``x``, ``y``: cells from the middle of the first."""
     lower_x, lower_y = math.floor(x), math.floor(y)
-    f, g = x - lower_x, y - lower_y
     mask = size - 1
     i, j = int(lower_x) & mask, int(lower_y) & mask
-    k, m = (i + 1) & mask, (j + 1) & mask
-    near, far = np.uint64(first + j * size), np.uint64(first + m * size)
-    left, right = np.uint64(i), np.uint64(k)
-    low = share[near + left] + f * (share[near + right] - share[near + left])
-    high = share[far + left] + f * (share[far + right] - share[far + left])
-    return float(low + g * (high - low))
+    near, far = np.uint64(first + j * size), np.uint64(first + ((j + 1) & mask) * size)
+    left, right = np.uint64(i), np.uint64((i + 1) & mask)
+    return share[near + left], share[near + right], share[far + left], share[far + right], x - lower_x, y - lower_y
 
 
 @kernel
-def tile_share(foam: FoamSurface, t: int, u: float, v: float, octaves: float) -> float:
-    """Return the share of a tile's foam at a place (u, v) [cells]; ``octaves``: binary logarithm of the width [cells] it stands for."""
-    first, size = foam.tile[t, 0], foam.tile[t, 1]
-    scale = 1.0
-    # the levels above the first one that hold the mean of more than a reading's width; the last one has a single cell
-    while octaves >= 1.0 and size > 2:
-        first, size, scale, octaves = first + size * size, size >> 1, 0.5 * scale, octaves - 1.0
-    fine = pyramid_level(foam.share, first, size, u * scale, v * scale)
-    if octaves <= 0.0:
-        return fine
-    above = pyramid_level(foam.share, first + size * size, size >> 1, 0.5 * u * scale, 0.5 * v * scale)
-    return fine + min(octaves, 1.0) * (above - fine)
+def tile_share(foam: FoamSurface, t: int, u: float, v: float, width: float) -> float:
+    """Return the share of a tile's foam at a place (u, v), a mean over a ``width`` [cells]."""
+    first, size, scale = foam.tile[t, 0], foam.tile[t, 1], 1.0
+    while width >= 2.0 and size > 2:
+        first, size, scale, width = first + size * size, size >> 1, 0.5 * scale, 0.5 * width
+    # the cells of the next level contain those of this one: where they are water, so is the place
+    a, b, c, d, f, g = corners(foam.share, first + size * size, size >> 1, 0.5 * u * scale - 0.5, 0.5 * v * scale - 0.5)
+    if a + b + c + d == 0.0:
+        return 0.0
+    above = a + f * (b - a) + g * (c - a + f * (d - c - b + a))
+    part = min(max(width - 1.0, 0.0), 1.0)
+    if part == 1.0:
+        return above
+    a, b, c, d, f, g = corners(foam.share, first, size, u * scale - 0.5, v * scale - 0.5)
+    fine = a + f * (b - a) + g * (c - a + f * (d - c - b + a))
+    return fine + part * (above - fine)
 
 
 @kernel

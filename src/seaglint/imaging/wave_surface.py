@@ -322,7 +322,6 @@ def foam_share(surface: Surface, level: int, line: SurfaceLine, away: tuple[floa
     """Return the share of foam ``r`` metres along a line of a level, a mean over a ``width`` [m]; ``away``: the line's unit vector."""
     foam = surface.foam
     total = foam.even
-    octaves = math.log2(max(width, 1e-6))
     for t in range(foam.tile.shape[0]):
         j = foam.row[level, t]
         if j >= 0:
@@ -331,7 +330,7 @@ def foam_share(surface: Surface, level: int, line: SurfaceLine, away: tuple[floa
             u, v = u * ratio, v * ratio
         else:
             u, v = wandered(foam, t, away, r)
-        total += tile_share(foam, t, u, v, octaves + math.log2(foam.grid[t, 0]))
+        total += tile_share(foam, t, u, v, width * foam.grid[t, 0])
     if foam.ships.segments.shape[0] > 0:
         total = max(total, segments_share(foam.ships, foam.origin[0] + r * away[0], foam.origin[1] + r * away[1]))
     return min(total, 1.0)

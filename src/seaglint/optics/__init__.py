@@ -1,1 +1,1 @@
-"""Blackbodies, bands, the refractive index of sea water and Fresnel reflection."""
+"""Blackbodies, bands, the refractive index of sea water, Fresnel reflection and foam."""

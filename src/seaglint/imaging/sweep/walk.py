@@ -26,6 +26,7 @@ from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_tables import PathTerms
 from seaglint.facet.roughness import Roughness
 from seaglint.imaging.camera.imager import Camera
+from seaglint.imaging.foam_surface import tile_share, wandered
 from seaglint.imaging.wave_surface import (
     LONGEST_STRIP,
     STRIP,
@@ -34,10 +35,11 @@ from seaglint.imaging.wave_surface import (
     SurfaceLine,
     add_heights,
     address,
-    foam_share,
     gradient,
     height,
+    position,
 )
+from seaglint.sea.foam.ship_foam import segments_share
 
 RANGE_PARTS = 0.5  #: Largest step as a share of the ground seen by one pixel row, so that near pixels consist of several pieces.
 
@@ -315,9 +317,27 @@ def read_slopes(surface: Surface, line: SurfaceLine, range_m: np.ndarray, pieces
 
 @kernel
 def read_foam(surface: Surface, level: int, line: SurfaceLine, away: tuple[float, float], wide: float, pieces: Pieces, count: int) -> None:
-    """Compute the shares of foam of the first ``count`` pieces; ``away``: unit vector of the line, ``wide``: width of the line [rad]."""
+    """Compute ``foam_share`` of the first ``count`` pieces; ``away``: unit vector of the line, ``wide``: its width [rad]."""
+    foam = surface.foam
     for n in range(count):
-        pieces.foam[np.uint64(n)] = foam_share(surface, level, line, away, pieces.arc[np.uint64(n)], wide * pieces.arc[np.uint64(n)])
+        pieces.foam[np.uint64(n)] = foam.even
+    for t in range(foam.tile.shape[0]):
+        j, cells = foam.row[level, t], foam.grid[t, 0]
+        ratio = float(foam.tile[t, 1]) / float(line.part[j, 1]) if j >= 0 else 0.0
+        for n in range(count):
+            k = np.uint64(n)
+            r = pieces.arc[k]
+            u, v = position(line, j, r) if j >= 0 else wandered(foam, t, away, r)
+            if j >= 0:
+                u, v = u * ratio, v * ratio
+            pieces.foam[k] += tile_share(foam, t, u, v, wide * r * cells)
+    if foam.ships.segments.shape[0] > 0:
+        for n in range(count):
+            r = pieces.arc[np.uint64(n)]
+            ship = segments_share(foam.ships, foam.origin[0] + r * away[0], foam.origin[1] + r * away[1])
+            pieces.foam[np.uint64(n)] = max(pieces.foam[np.uint64(n)], ship)
+    for n in range(count):
+        pieces.foam[np.uint64(n)] = min(pieces.foam[np.uint64(n)], 1.0)
 
 
 @kernel

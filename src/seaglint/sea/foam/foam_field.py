@@ -57,7 +57,13 @@ LAST: Final = 3.0  #: Age at which decaying foam ends, in its decay times.
 #: Mean of a decay that ends over one that does not: ``(e^-x - e^-3)/(1 - e^-3)`` integrated over x from 0 to 3.
 _ENDED: Final = (1.0 - (1.0 + LAST) * math.exp(-LAST)) / (1.0 - math.exp(-LAST))
 
+#: Time step of aged foam, which only decays and drifts [s]: it is drawn at the ends of a step and changes linearly between them, within
+#: 0.3 % of its share.
+AGED_STEP: Final = 0.5
+
 LACE: Final = 0.6  #: Softness of the holes in decaying foam [1]; 0 makes each cell foam or water.
+
+SMALL: Final = 0.75  #: Largest half length of a crest that is drawn as a point, in cells; its path is up to twice as long.
 
 LACE_CELL_M: Final = 1.0  #: Largest cell of foam that is divided into foam and holes [m]; larger ones hold their share.
 
@@ -117,6 +123,7 @@ class FoamField:
     _bands: tuple[_Band | None, ...]
     _lace: NDArray[np.float32]
     _slots: dict[tuple[int, int], Breakers] = field(default_factory=dict, repr=False)
+    _aged: dict[int, tuple[int, NDArray[np.float32], NDArray[np.float32]]] = field(default_factory=dict, repr=False)
 
     @classmethod
     def create(cls, waves: WaveField, crests: BreakingCrests, wind_speed: float, wind_to_azimuth: float, seed: int) -> Self:
@@ -146,7 +153,8 @@ class FoamField:
     def shares(self, time: float) -> FoamTiles:
         """Return the foam of an instant [s]."""
         out: list[NDArray[np.float32]] = [np.empty(0, np.float32)] * len(self.waves.tiles)
-        wanted = [(t, slot) for t in range(len(out)) for slot in self._slots_at(t, time) if (t, slot) not in self._slots]
+        step = math.floor(time / AGED_STEP)
+        wanted = [(t, slot) for t in range(len(out)) for slot in self._slots_at(t, (step + 1) * AGED_STEP) if (t, slot) not in self._slots]
 
         def break_waves(part: tuple[int, int]) -> None:
             for t, slot in wanted[part[0] : part[1]]:
@@ -156,10 +164,10 @@ class FoamField:
 
         def draw(part: tuple[int, int]) -> None:
             for t in range(*part):
-                out[t] = self._drawn(t, time)
+                out[t] = self._drawn(t, time, step)
 
         in_threads(draw, len(out))
-        # older slots are not needed again in a sequence: what is kept does not grow with it
+        # what is kept does not grow with a sequence
         for key in [key for key in self._slots if key[1] < self._first_slot(key[0], time) - 8]:
             self._slots.pop(key, None)
         return FoamTiles(tuple(out), tuple(CELLS_PER_POINT * tile.n for tile in self.waves.tiles))
@@ -206,24 +214,46 @@ class FoamField:
         east, north = math.sin(azimuth), math.cos(azimuth)
         return math.cos(turn) * east + math.sin(turn) * north, math.cos(turn) * north - math.sin(turn) * east
 
-    def _drawn(self, tile: int, time: float) -> NDArray[np.float32]:
-        """Return the pyramid of a tile at a time [s]."""
-        waves = self.waves.tiles[tile]
-        n = CELLS_PER_POINT * waves.n
+    def _drawn(self, tile: int, time: float, step: int) -> NDArray[np.float32]:
+        """Return the pyramid of a tile at a time [s], in a step of aged foam."""
+        n = CELLS_PER_POINT * self.waves.tiles[tile].n
         out = np.zeros(pyramid_size(n), np.float32)
-        cell, turn = waves.length / n, waves.rotation
+        if self._bands[tile] is None:
+            return out
+        before, after = self._aged_at(tile, step)
+        base = out[: n * n].reshape(n, n)
+        np.subtract(after, before, out=base)
+        base *= np.float32(time / AGED_STEP - step)
+        base += before
+        self._add(tile, time, step, base, young=True)
+        cell = self.waves.tiles[tile].length / n
+        finish(base, self._lace, cell <= LACE_CELL_M)
+        build_pyramid(out, n)
+        return out
+
+    def _aged_at(self, tile: int, step: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return the sums of aged foam at the beginning and the end of a step, of the same breakers; the last step of a tile is kept."""
+        kept = self._aged.get(tile)
+        if kept is None or kept[0] != step:
+            n = CELLS_PER_POINT * self.waves.tiles[tile].n
+            ends = np.zeros((2, n, n), np.float32)
+            for end in range(2):
+                self._add(tile, (step + end) * AGED_STEP, step, ends[end], young=False)
+            kept = self._aged[tile] = (step, ends[0], ends[1])
+        return kept[1], kept[2]
+
+    def _add(self, tile: int, time: float, step: int, cells: NDArray[np.float32], *, young: bool) -> None:
+        """Add the foam of the breakers of a tile at a time [s]: those young at the beginning of a step, or those aged by then."""
+        waves = self.waves.tiles[tile]
+        turn = waves.rotation
         drift = (
             math.cos(turn) * self.drift[0] + math.sin(turn) * self.drift[1],
             math.cos(turn) * self.drift[1] - math.sin(turn) * self.drift[0],
         )
-        base = out[: n * n].reshape(n, n)
         for slot in self._slots_at(tile, time):
             found = self._slots.get((tile, slot))
-            draw_breakers(self.breakers(tile, slot) if found is None else found, time, cell, drift, base)
-        if cell <= LACE_CELL_M:
-            lace(base, self._lace)
-        build_pyramid(out, n)
-        return out
+            kept = self.breakers(tile, slot) if found is None else found
+            draw_breakers(kept, time, step * AGED_STEP, young, waves.length / cells.shape[0], drift, cells)
 
 
 def pyramid_size(n: int) -> int:
@@ -325,16 +355,37 @@ def foam_left(since: float, fed: float, decay: float) -> float:
 
 
 @njit
-def draw_breakers(breakers: Breakers, time: float, cell: float, drift: tuple[float, float], out: np.ndarray) -> None:
-    """Add the foam of breakers at a time [s] to the cells (n, n) of a periodic tile; where patches overlap, shares add up to 1 at most."""
+def draw_breakers(
+    breakers: Breakers, time: float, begin: float, young: bool, cell: float, drift: tuple[float, float], out: np.ndarray
+) -> None:
+    """Add the shares of the foam of breakers at a time [s] to the cells (n, n) of a periodic tile.
+
+    ``young``: True for the breakers whose foam does not only decay at the time ``begin`` [s], False for the others.
+    """
     n = out.shape[0]
     for e in range(breakers.begin.shape[0]):
         age = time - breakers.begin[e]
         fed, decay, duration, speed = breakers.fed[e], breakers.decay[e], breakers.duration[e], breakers.speed[e]
-        if age <= 0.0 or age >= duration + fed + LAST * decay:
+        if age <= 0.0 or age >= duration + fed + LAST * decay or young != (begin - breakers.begin[e] < duration + fed):
             continue
         c, s, most, run = breakers.heading[e, 0], breakers.heading[e, 1], breakers.half[e], speed * duration
         front = min(age * speed, run)
+        if most < SMALL * cell and run < 2.0 * SMALL * cell:
+            # smaller than a cell: its area is divided among the four cells around its middle
+            q = front / run
+            area = most * run * half_ellipse(-1.0, 2.0 * q - 1.0) * 2.0 * q / (cell * cell)
+            x = (breakers.place[e, 0] + drift[0] * age + 0.5 * front * c) / cell - 0.5
+            y = (breakers.place[e, 1] + drift[1] * age + 0.5 * front * s) / cell - 0.5
+            area *= foam_left(age - 0.5 * front / speed, fed, decay)
+            i, j = math.floor(y), math.floor(x)
+            f, g = x - j, y - i
+            near, far = i & (n - 1), (i + 1) & (n - 1)
+            left, right = j & (n - 1), (j + 1) & (n - 1)
+            out[near, left] += area * (1.0 - f) * (1.0 - g)
+            out[near, right] += area * f * (1.0 - g)
+            out[far, left] += area * (1.0 - f) * g
+            out[far, right] += area * f * g
+            continue
         # the crest is bent back at its ends, and ragged along both sides; shears leave its area as it is
         bend = (0.2 + 0.5 * breakers.shape[e, 0]) * most
         phase, other = 2.0 * math.pi * breakers.shape[e, 1], 2.0 * math.pi * breakers.shape[e, 2]
@@ -368,19 +419,25 @@ def draw_breakers(breakers: Breakers, time: float, cell: float, drift: tuple[flo
                     continue
                 share = (high - low) / cell * across * foam_left(age - 0.5 * (low + high) / speed, fed, decay)
                 y, x = i & (n - 1), j & (n - 1)
-                out[y, x] = min(out[y, x] + share, 1.0)
+                out[y, x] += share
 
 
 @njit
-def lace(cells: np.ndarray, pattern: np.ndarray) -> None:
-    """Divide shares between 0 and 1 into foam and holes, in place, by a pattern of even values: the mean share is the same."""
+def finish(cells: np.ndarray, pattern: np.ndarray, holes: bool) -> None:
+    """Limit sums of shares to 1, in place, and divide shares below it into foam and holes by a pattern of even values.
+
+    The mean share with holes is the same.
+    """
     size = pattern.shape[0]
     for i in range(cells.shape[0]):
         for j in range(cells.shape[1]):
-            share = cells[i, j]
-            if share > 0.0 and share < 1.0:
+            share = min(cells[i, j], np.float32(1.0))
+            if share <= 0.0:
+                continue
+            if holes and share < 1.0:
                 soft = min(LACE, 2.0 * share, 2.0 * (1.0 - share))
-                cells[i, j] = min(max((share - pattern[i % size, j % size]) / max(soft, 1e-6) + 0.5, 0.0), 1.0)
+                share = min(max((share - pattern[i % size, j % size]) / max(soft, 1e-6) + 0.5, 0.0), 1.0)
+            cells[i, j] = share
 
 
 @njit

@@ -139,7 +139,8 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
     columns if the image is a grid of them, else to every pixel (y, x). A moving sensor is at its place of time 0. Variables are
     ``radiance``, ``apparent_temperature``, the four components of the radiance and ``glint_std``, the standard deviation of glint in a
     pixel. In the mode ``article`` the emitted radiance is the radiance of one blackbody for sea and mirrored sky, and the sky's part is 0
-    below the horizon.
+    below the horizon. With ``[sea.foam]`` water and foam are mixed by the mean share, the attribute ``foam_share``; sunlight that foam
+    reflects diffusely counts in ``glint_radiance``, and not in ``glint_std``. The mode ``article`` has no foam.
 
     Raises
     ------
@@ -192,6 +193,7 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
             solar_zenith_deg=math.degrees(view.solar_zenith),
             solar_azimuth_deg=math.degrees(view.solar_azimuth),
             atmosphere_table=json.dumps(scenario_physics.atmosphere_provenance(view.atmosphere)),
+            **_foam(view),
             **_wave_file(scenario),
             **_air_note(scenario),
             **band_attributes(view.band),
@@ -203,6 +205,11 @@ def _air_note(scenario: Scenario) -> dict[str, str]:
     """Return the attribute on the share of a contrast that the air transmits, if the scenario does not state air and water."""
     line = air_line(scenario)
     return {} if line is None else {"air_note": line}
+
+
+def _foam(view: SeaView) -> dict[str, float]:
+    """Return the attribute on the mean share of foam, for a sea with foam; the article's blackbody has none."""
+    return {} if view.foam is None or view.background == "blackbody" else {"foam_share": view.foam.share}
 
 
 def _wave_file(scenario: Scenario) -> dict[str, str | int]:

@@ -11,8 +11,8 @@ with :math:`\rho_w` Fresnel's reflectance of the sea water, the share of bubbles
 part is reciprocal as water is, the diffuse part is Lambert's.
 
 b comes from the two measurements of foam minus water at large angles: +0.04 in 8-14 um at 65 deg (Niclos et al. 2007, which find nothing
-at small angles) and +0.23 at 8.9 um and 85 deg (Branch et al. 2016, the largest difference that they report). Both ask for the same share:
-0.48 and 0.41. Foam whose reflecting walls had all directions would be 0.46 above water at 85 deg, twice the measured difference.
+at small angles) and +0.23 at 8.9 um and 85 deg (Branch et al. 2016, the largest difference that they report). They ask for shares
+of 0.48 and 0.41. Foam whose reflecting walls had all directions would be 0.46 above water at 85 deg, twice the measured difference.
 
 :math:`d_0` and l are fitted to the effective reflectance of whitecaps in 1-2.5 um, of Whitlock et al. 1982 with Koepke's 0.4 for foam of a
 mean age, as the program 6S tabulates it; between 2.5 and 14 um no measurement of the diffuse part is known to us.
@@ -36,7 +36,7 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import WaterIndex
 
 #: Share of foam that is bubbles, black but for the diffuse reflectance [1]; the rest mirrors like water.
-BUBBLES: Final = 0.41
+BUBBLES: Final = 0.4
 
 DIFFUSE: Final = 0.22  #: Diffuse reflectance of foam of a mean age where water does not absorb [1] (Koepke 1984).
 
@@ -47,7 +47,7 @@ def diffuse_reflectance(wavenumber_cm: ArrayLike, water: WaterIndex) -> FloatArr
     """Diffuse reflectance of foam [1], of the shape of the wavenumbers [cm-1].
 
     Within 0.015 rms of the effective reflectance of whitecaps in 1-2.5 um, less the part that mirrors. Its largest value in 3-14 um is
-    some 0.013, near 3.8 um.
+    0.012, near 3.8 um.
     """
     nu = np.asarray(wavenumber_cm, dtype=np.float64)
     absorption = 4.0 * np.pi * water.index(nu).imag * nu * 100.0
@@ -59,7 +59,7 @@ def foam_reflectance(cos_incidence: ArrayLike, wavenumber_cm: ArrayLike, water: 
 
     >>> from seaglint.optics.sea_water import hale_querry_sea
     >>> round(float(foam_reflectance(np.cos(np.radians(85.0)), 1e4 / 8.9, hale_querry_sea())), 3)
-    0.335
+    0.34
     """
     mirrored = reflectance(cos_incidence, water.index(np.asarray(wavenumber_cm, dtype=np.float64)))
     return np.asarray((1.0 - BUBBLES) * mirrored + diffuse_reflectance(wavenumber_cm, water))

@@ -1,9 +1,11 @@
 """Emissivity of foam against published measurements, and its limits."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from seaglint.optics.foam import BUBBLES, diffuse_reflectance, foam_emissivity, foam_reflectance
+from seaglint.optics.foam_reflectance import BUBBLES, diffuse_reflectance, foam_emissivity, foam_reflectance
 from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import hale_querry_sea, segelstein
 
@@ -46,6 +48,17 @@ def test_foam_emits_more_than_water_at_large_angles_and_the_difference_grows(wat
     difference = np.stack([_difference(wavelength, angle, water) for angle in (65.0, 70.0, 75.0, 80.0, 85.0)])
     assert difference.min() > 0.015
     assert np.diff(difference, axis=0).min() > 0.0
+
+
+@pytest.mark.parametrize(("conditions", "wavelength_um", "angle_deg"), [
+    ("8-14 µm, 25°", LONG_WAVE, 25.0), ("8-14 µm, 45°", LONG_WAVE, 45.0), ("8-14 µm, 65°", LONG_WAVE, 65.0), ("8.9 µm, 85°", 8.9, 85.0),
+])  # fmt: skip
+def test_the_page_says_what_the_code_gives(conditions, wavelength_um, angle_deg):
+    page = (Path(__file__).parents[2] / "docs/validation/sea.md").read_text(encoding="utf-8")
+    row = next(line for line in page.splitlines() if f"| {conditions} |" in line)
+    told = [float(cell) for cell in row.strip("| ").split(" | ")[3:]]
+    ours = [float(np.mean(_difference(wavelength_um, angle_deg, water))) for water in WATERS.values()]
+    assert told == pytest.approx(ours, abs=6e-4)
 
 
 def test_diffuse_reflectance_is_that_of_whitecaps_where_it_was_measured():
