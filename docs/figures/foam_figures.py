@@ -40,7 +40,7 @@ SCENE: dict[str, Any] = {
     "render": {"layers": ["foam_share"]},
 }
 INTERVAL, FRAMES = 0.5, 10  # s, of a breaker's life
-CROP = (96, 192)  # rows and columns of it
+CROP = (120, 240)  # rows and columns of it
 WAIT = 12  # frames among whose beginnings that of a breaker is looked for
 INSTANT = 4.0  # s, of the two bands
 
@@ -122,14 +122,20 @@ def foam_life() -> Figure:
 
 
 def beginning(share: NDArray[np.float32]) -> tuple[int, slice, slice]:
-    """Frame, rows and columns of the breaker that leaves most foam where there was none."""
+    """Frame, rows and columns of the breaker that leaves most foam where there was none, in the middle of the strip."""
     rows, columns = CROP
-    sums = np.pad(share.astype(np.float64), ((0, 0), (1, 0), (1, 0))).cumsum(axis=1).cumsum(axis=2)
-    inside = sums[:, rows:, columns:] - sums[:, :-rows, columns:] - sums[:, rows:, :-columns] + sums[:, :-rows, :-columns]
-    # foam of the middle of the strip, less what is there before and at its end
-    life = inside[FRAMES // 3 :][:WAIT] - 3.0 * inside[:WAIT] - 0.5 * inside[FRAMES - 1 :][:WAIT]
+    inner, around = window_sums(share, rows // 2, columns // 2), window_sums(share, rows, columns)
+    height, width = around.shape[1:]
+    middle = 2.0 * inner[:, rows // 4 :, columns // 4 :][:, :height, :width] - around
+    life = sum(middle[later:][:WAIT] for later in range(1, FRAMES // 2)) - FRAMES * around[:WAIT]
     frame, row, column = (int(i) for i in np.unravel_index(int(life.argmax()), life.shape))
     return frame, slice(row, row + rows), slice(column, column + columns)
+
+
+def window_sums(values: NDArray[np.float32], rows: int, columns: int) -> FloatArray:
+    """Sums over all windows of a size in each frame, by the window's first row and column."""
+    sums = np.pad(values.astype(np.float64), ((0, 0), (1, 0), (1, 0))).cumsum(axis=1).cumsum(axis=2)
+    return np.asarray(sums[:, rows:, columns:] - sums[:, :-rows, columns:] - sums[:, rows:, :-columns] + sums[:, :-rows, :-columns])
 
 
 PICTURES: dict[str, Callable[[], Figure]] = {"foam": foam, "foam_life": foam_life}
