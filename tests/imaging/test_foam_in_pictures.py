@@ -81,6 +81,19 @@ def test_expectation_of_pictures_is_the_mean_map(sun: float) -> None:
     assert gained == pytest.approx(expected, rel=0.25)
 
 
+def test_foam_changes_no_pixel_beside_it() -> None:
+    eye = camera(20.0, -1.0, -9.0, 96, azimuth=120.0, width=8.0, columns=64)
+    view = sea_view(table_air(WIND), SLOPES, height=20.0, sun_zenith=180.0)
+    scene, clear = foamy(view, eye), swept_scene(view, eye, breaking().waves, layers=LAYERS)
+    found, water = shown(scene, 3.0), shown(clear, 3.0)
+    none = found["foam_share"] == 0.0
+    assert none.mean() > 0.3
+    np.testing.assert_array_equal(found.radiance[none], water.radiance[none])
+    # foam is where the layer says
+    gained = (found.radiance - water.radiance)[~none]
+    assert np.corrcoef(gained, found["foam_share"][~none])[0, 1] > 0.8
+
+
 def test_share_of_foam_in_view_is_the_coverage() -> None:
     eye = camera(60.0, -30.0, -55.0, 40, width=40.0, columns=48)
     scene = foamy(sea_view(table_air(WIND), SLOPES, height=60.0, sun_zenith=180.0), eye)

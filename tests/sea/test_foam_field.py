@@ -12,6 +12,7 @@ from seaglint.sea.foam import foam_field
 from seaglint.sea.foam.breaking_crests import BreakingCrests
 from seaglint.sea.foam.coverage_laws import coverage
 from seaglint.sea.foam.foam_field import Breakers, FoamField
+from seaglint.sea.foam.lace import lace_pattern
 from seaglint.sea.spectra import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.sea.wave_field import WaveField
@@ -65,7 +66,7 @@ def test_drawn_coverage_is_the_law_and_the_integral_of_the_crests(wind: float) -
 def test_lengths_of_breaking_crests_follow_the_distribution(form: str, edges: list[float]) -> None:
     field = breaking(12.0, form=form)
     bins = len(edges) - 1
-    length, squares, times = np.zeros(bins), np.zeros(bins), np.arange(12) * 11.0
+    length, squares, times = np.zeros(bins), np.zeros(bins), np.arange(24) * 11.0
     for tile, waves in enumerate(field.waves.tiles):
         for time in times:
             here = np.zeros(bins)
@@ -156,13 +157,21 @@ def test_slots_do_not_pile_up() -> None:
 
 
 def test_holes_keep_the_share() -> None:
-    pattern = foam_field._pattern(3)
-    for share in (0.0, 0.02, 0.3, 0.5, 0.77, 0.99, 1.0):
-        cells = np.full(pattern.shape, share, np.float32)
-        foam_field.finish(cells, pattern, True)
-        assert cells.mean() == pytest.approx(share, abs=2e-3)
-        assert cells.min() >= 0.0
-        assert cells.max() <= 1.0
+    rng = np.random.default_rng(8)
+    foam = foam_surface.even_foam(0.3)._replace(lace=lace_pattern(3), drifted=(0.37, -5.2))
+    places = rng.random((20_000, 2)) * np.array([64.0, 2.0 * np.pi])
+    for share in (0.0, 0.02, 0.1, 0.3, 0.5, 0.77, 0.9, 0.99, 1.0):
+        for width in (0.05, 0.5, 3.0):
+            found = np.array(
+                [foam_surface.with_holes(foam, share, (np.sin(a), np.cos(a)), r, width) for r, a in places[:: 1 if width < 0.1 else 5]]
+            )
+            assert found.mean() == pytest.approx(share, abs=0.02 * min(share, 1.0 - share) + 4.0 * found.std() / np.sqrt(found.size / 30.0))
+            assert found.min() >= 0.0
+            assert found.max() <= 1.0
+    # a small reading is mostly foam or water, a large one the share
+    small = np.array([foam_surface.with_holes(foam, 0.4, (0.0, 1.0), r, 0.02) for r in np.linspace(0.0, 60.0, 2000)])
+    assert small.std() > 0.35
+    assert foam_surface.with_holes(foam, 0.4, (0.0, 1.0), 5.0, 2.5) == 0.4
 
 
 def test_readings_keep_the_mean_and_change_without_a_jump() -> None:

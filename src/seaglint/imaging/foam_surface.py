@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel
 from seaglint.sea.foam.foam_field import FoamTiles
+from seaglint.sea.foam.lace import CELL_M, laced
 from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.tiles import Tile, Wander
 
@@ -26,7 +27,8 @@ class FoamSurface(NamedTuple):
     ``share``: the pyramids of all tiles one after another; ``tile[t] = (address of the pyramid, cells along a side)``; ``grid[t] = (cells
     per metre, cos, sin of the tile's turn, u, v under the sensor)`` and ``wander[t]`` as in ``Surface``, in cells; ``row[l, t]``: place of
     the tile among the parts of level l, -1 where the level omits it; ``even``: share everywhere, of a sea without resolved
-    waves; ``ships``: foam of ships, by places east and north, and ``origin``: place under the sensor [m].
+    waves; ``ships``: foam of ships, by places east and north, and ``origin``: place under the sensor [m];
+    ``lace``: pattern of holes, empty where foam has none, and ``drifted``: way of the water since the start [m].
     """
 
     share: np.ndarray
@@ -37,12 +39,15 @@ class FoamSurface(NamedTuple):
     even: float
     origin: tuple[float, float]
     ships: FoamSegments
+    lace: np.ndarray
+    drifted: tuple[float, float]
 
 
 def even_foam(share: float, origin: tuple[float, float] = (0.0, 0.0), ships: FoamSegments = NO_SEGMENTS) -> FoamSurface:
     """Return a sea with the same share of foam everywhere, and that of ships."""
     none, numbers = np.zeros((0, 5)), np.zeros((0, 2), np.int64)
-    return FoamSurface(np.zeros(0, np.float32), numbers, none, np.zeros((0, 0, 5)), numbers, share, origin, ships)
+    holes = np.zeros((0, 0), np.float32)
+    return FoamSurface(np.zeros(0, np.float32), numbers, none, np.zeros((0, 0, 5)), numbers, share, origin, ships, holes, (0.0, 0.0))
 
 
 NO_FOAM_SURFACE: Final = even_foam(0.0)  #: A sea without foam.
@@ -94,7 +99,7 @@ def foam_surface(
     grid: FloatArray = np.stack([1.0 / cell, c, s, u, v], axis=1)
     moved = wander_rows(wander, cell, turn, origin) if wander else np.zeros((len(tiles), 0, 5))
     places = np.stack([first, size], axis=1).astype(np.int64)
-    return FoamSurface(np.concatenate(foam.share), places, grid, moved, rows, 0.0, origin, ships)
+    return FoamSurface(np.concatenate(foam.share), places, grid, moved, rows, 0.0, origin, ships, foam.lace, foam.drifted)
 
 
 @kernel
@@ -125,3 +130,20 @@ def tile_share(foam: FoamSurface, t: int, u: float, v: float, width: float) -> f
     a, b, c, d, f, g = corners(foam.share, first, size, u * scale - 0.5, v * scale - 0.5)
     fine = a + f * (b - a) + g * (c - a + f * (d - c - b + a))
     return fine + part * (above - fine)
+
+
+@kernel
+def with_holes(foam: FoamSurface, share: float, away: tuple[float, float], r: float, width: float) -> float:
+    """Return a share of foam with the holes at a place, ``r`` metres from under the sensor along a horizontal unit vector."""
+    size = foam.lace.shape[0]
+    if size == 0 or share <= 0.0 or share >= 1.0:
+        return share
+    x = (foam.origin[0] + r * away[0] - foam.drifted[0]) * (1.0 / CELL_M)
+    y = (foam.origin[1] + r * away[1] - foam.drifted[1]) * (1.0 / CELL_M)
+    lower_x, lower_y = math.floor(x), math.floor(y)
+    f, g = x - lower_x, y - lower_y
+    i, j = int(lower_x) & (size - 1), int(lower_y) & (size - 1)
+    k, m = (i + 1) & (size - 1), (j + 1) & (size - 1)
+    near = foam.lace[j, i] + f * (foam.lace[j, k] - foam.lace[j, i])
+    far = foam.lace[m, i] + f * (foam.lace[m, k] - foam.lace[m, i])
+    return laced(share, near + g * (far - near), width)

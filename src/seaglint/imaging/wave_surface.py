@@ -24,7 +24,7 @@ from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.sunlight import Sunlight
-from seaglint.imaging.foam_surface import NO_FOAM_SURFACE, FoamSurface, tile_share
+from seaglint.imaging.foam_surface import NO_FOAM_SURFACE, FoamSurface, tile_share, with_holes
 from seaglint.sea.foam.ship_foam import segments_share
 
 STRIP = 64  #: Number of samples of a line that are read together.
@@ -346,7 +346,7 @@ def foam_share(surface: Surface, level: int, line: SurfaceLine, away: tuple[floa
         total += tile_share(foam, t, u, v, width * foam.grid[t, 0])
     if foam.ships.segments.shape[0] > 0:
         total = max(total, segments_share(foam.ships, foam.origin[0] + r * away[0], foam.origin[1] + r * away[1]))
-    return min(total, 1.0)
+    return with_holes(foam, min(total, 1.0), away, r, width)
 
 
 @kernel

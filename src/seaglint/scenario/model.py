@@ -129,6 +129,12 @@ class Scenario(Record):
         return self
 
     @model_validator(mode="after")
+    def _layers_have_their_source(self) -> Self:
+        if "foam_share" in self.render.layers and self.sea.foam is None:
+            raise rule("render.layers", "has 'foam_share', but the sea has no foam; add a table [sea.foam] or leave that layer out")
+        return self
+
+    @model_validator(mode="after")
     def _table_covers_sensor_and_band(self) -> Self:
         if self.atmosphere.source != "table":
             return self

@@ -186,12 +186,17 @@ def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pi
 
 
 @kernel
-def add_foam(swept: Swept, surface: Surface, line: Line, pieces: Pieces, j: int, sun: Sunlight) -> None:
-    """Mix the light of a shaded piece of water with the light of its foam (``seaglint.facet.foam``); ``sun`` is the Sun at the piece."""
-    share, walk, light = pieces.foam[j], swept.walk, pieces.light
+def mix_foam(swept: Swept, surface: Surface, line: Line, pieces: Pieces, j: int, sun: Sunlight) -> float:
+    """Compute the light of a shaded piece of water with its share of foam (``seaglint.facet.foam``) into ``pieces.mixed``.
+
+    Returns the share of the piece that mirrors. ``sun`` is the Sun at the piece.
+    """
+    share, walk, light, mixed = pieces.foam[j], swept.walk, pieces.light, pieces.mixed
     i = (pieces.begin[j] + pieces.sample[j]) >> 1
-    if share <= 0.0 or i == 0:
-        return
+    for k in range(light.shape[1]):
+        mixed[k] = light[j, k]
+    if i == 0:
+        return 1.0
     at, slope = (i // walk.every, (i % walk.every) / walk.every), (pieces.slope[j, 0], pieces.slope[j, 1])
     path = line.path[at[0]] + at[1] * (line.path[at[0] + 1] - line.path[at[0]])
     glint, bubbles = light[j, SUN], foam_sunlight(swept.foam, at, sun, slope)
@@ -201,14 +206,15 @@ def add_foam(swept: Swept, surface: Surface, line: Line, pieces: Pieces, j: int,
         if march[0] > 0.0:
             bubbles *= sun_over_waves(surface, line.level, line.course, line.sunward, pieces.arc[j], march, sun)[0]
     warm = light[j, TOTAL] - path - glint
-    mirrored = 1.0 - share * (1.0 - swept.foam.mirroring)
-    light[j, SUN] = glint * mirrored + share * bubbles
-    light[j, TOTAL] = path + (1.0 - share) * warm + share * foam_thermal(swept.foam, at, warm) + light[j, SUN]
-    light[j, SPREAD] *= mirrored * mirrored
+    mirroring = 1.0 - share * (1.0 - swept.foam.mirroring)
+    mixed[SUN] = glint * mirroring + share * bubbles
+    mixed[TOTAL] = path + (1.0 - share) * warm + share * foam_thermal(swept.foam, at, warm) + mixed[SUN]
+    mixed[SPREAD] *= mirroring * mirroring
     if light.shape[1] > FEWEST:
         emitted = light[j, EMITTED]
-        light[j, EMITTED] = (1.0 - share) * emitted + share * foam_emission(swept.foam, at, emitted)
-        light[j, FOAM] = share
+        mixed[EMITTED] = (1.0 - share) * emitted + share * foam_emission(swept.foam, at, emitted)
+        mixed[FOAM] = share
+    return float(mirroring)
 
 
 @kernel
@@ -237,14 +243,13 @@ def shade_line(
             known = sample[j] // swept.walk.every
             sun = sunlight_at(optics.sunlight, -line.sight.east, -line.sight.north, pieces.arc[j])
         shade_piece(swept, surface, FacetOptics(sun, optics.roughness, optics.tables), line, pieces, j, below)
-        if swept.foam.sky.shape[0] > 0:
-            add_foam(swept, surface, line, pieces, j, sun)
         below = extent[j, 1]
     # radiance is linear over a piece; next to a hidden gap only the neighbour on the other side gives the slope
     low = elevation(lowest)
     high = elevation(extent[0, 1]) if count > 0 else low
     before = centre = 0.5 * (low + high)
     emitted = path = 0.0
+    known, foamy = -1, swept.foam.sky.shape[0] > 0
     for j in range(count):
         beyond = elevation(extent[j + 1, 1]) if j + 1 < count else high
         after = 0.5 * (high + beyond) if j + 1 < count and begin[j + 1] == sample[j] + 1 else centre
@@ -253,12 +258,21 @@ def shade_line(
             emitted = leaning(light, j, EMITTED, before, centre, after, width)
             path = leaning(light, j, PATH, before, centre, after, width)
         lean = (leaning(light, j, TOTAL, before, centre, after, width), leaning(light, j, SUN, before, centre, after, width), emitted, path)
-        add_rows(images[0], swept.rows, (low, high), line.weight, light[j], lean)
+        row = light[j]
+        if foamy and pieces.foam[j] > 0.0:
+            # foam ends at the piece's ends: the slopes are those of the water alone
+            if sample[j] // swept.walk.every != known:
+                known = sample[j] // swept.walk.every
+                sun = sunlight_at(optics.sunlight, -line.sight.east, -line.sight.north, pieces.arc[j])
+            mirroring = mix_foam(swept, surface, line, pieces, j, sun)
+            lean = (mirroring * lean[0], mirroring * lean[1], mirroring * lean[2], lean[3])
+            row = pieces.mixed
+        add_rows(images[0], swept.rows, (low, high), line.weight, row, lean)
         if images.shape[0] > 1:
             interval = 0
             while interval < cuts.shape[0] and light[j, DISTANCE] >= cuts[interval]:
                 interval += 1
-            add_rows(images[1 + interval], swept.rows, (low, high), line.weight, light[j], lean)
+            add_rows(images[1 + interval], swept.rows, (low, high), line.weight, row, lean)
         low, high = high, beyond
         before, centre = (centre, after) if after != centre else (0.5 * (low + high), 0.5 * (low + high))
 

@@ -26,7 +26,7 @@ from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_tables import PathTerms
 from seaglint.facet.roughness import Roughness
 from seaglint.imaging.camera.imager import Camera
-from seaglint.imaging.foam_surface import tile_share
+from seaglint.imaging.foam_surface import tile_share, with_holes
 from seaglint.imaging.wave_surface import (
     LONGEST_STRIP,
     STRIP,
@@ -240,7 +240,7 @@ class Pieces(NamedTuple):
 
     Piece ``j`` reaches from the sample ``begin[j]`` to ``sample[j]``; ``extent[j]`` is its length [m] and the tangent at its upper edge,
     ``arc[j]`` its middle [m], ``slope[j]`` its mean slope towards east and north, ``spread[j]`` the covariance (ee, en, nn) within it and
-    ``foam[j]`` its share of foam.
+    ``foam[j]`` its share of foam. ``mixed``: light of one piece of water and foam.
     """
 
     sample: np.ndarray
@@ -251,6 +251,7 @@ class Pieces(NamedTuple):
     spread: np.ndarray
     foam: np.ndarray
     light: np.ndarray
+    mixed: np.ndarray
 
 
 class Merging(NamedTuple):
@@ -274,6 +275,7 @@ def new_pieces(channels: int) -> Pieces:
         np.empty((BUFFER, 3)),
         np.zeros(BUFFER),
         np.empty((BUFFER, channels)),
+        np.empty(channels),
     )
 
 
@@ -338,7 +340,8 @@ def read_foam(surface: Surface, level: int, line: SurfaceLine, away: tuple[float
             ship = segments_share(foam.ships, foam.origin[0] + r * away[0], foam.origin[1] + r * away[1])
             pieces.foam[np.uint64(n)] = max(pieces.foam[np.uint64(n)], ship)
     for n in range(count):
-        pieces.foam[np.uint64(n)] = min(pieces.foam[np.uint64(n)], 1.0)
+        r = pieces.arc[np.uint64(n)]
+        pieces.foam[np.uint64(n)] = with_holes(foam, min(pieces.foam[np.uint64(n)], 1.0), away, r, wide * r)
 
 
 @kernel

@@ -30,6 +30,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import in_threads, kernel, njit
 from seaglint.base.random import stream
 from seaglint.sea.foam.breaking_crests import CREST_SPEED, BreakingCrests
+from seaglint.sea.foam.lace import lace_pattern
 from seaglint.sea.wave_field import WaveField
 
 CELLS_PER_POINT: Final = 2  #: Cells of foam per lattice point of a tile's waves, along a side: eight per shortest wave.
@@ -46,6 +47,10 @@ DRIFT: Final = 0.03
 SLOT_PERIODS: Final = 0.75  #: Length of a slot over the period of the tile's middle wave [1].
 SLOTS_S: Final = (0.5, 4.0)  #: Shortest and longest slot [s].
 
+#: Neighbouring crests that break together, side by side, and are drawn as one. Assumed: single crests are 0.1 of their wave long and run
+#: 0.24 of it, but breakers are seen as lines along the crests of waves.
+GROUP: Final = 3
+
 #: Angle of breakers from downwind over that of the line across the crest where they begin: short waves run in all directions, but mostly
 #: those that run nearly downwind break (Melville and Matusov 2002: within some 40 degrees).
 ACROSS_CRESTS: Final = 0.5
@@ -61,13 +66,7 @@ _ENDED: Final = (1.0 - (1.0 + LAST) * math.exp(-LAST)) / (1.0 - math.exp(-LAST))
 #: 0.3 % of its share.
 AGED_STEP: Final = 0.5
 
-LACE: Final = 0.6  #: Softness of the holes in decaying foam [1]; 0 makes each cell foam or water.
-
 SMALL: Final = 0.75  #: Largest half length of a crest that is drawn as a point, in cells; its path is up to twice as long.
-
-LACE_CELL_M: Final = 1.0  #: Largest cell of foam that is divided into foam and holes [m]; larger ones hold their share.
-
-LACE_SIZE: Final = 256  #: Cells along a side of the pattern of holes, which repeats.
 
 
 class Breakers(NamedTuple):
@@ -98,6 +97,8 @@ class FoamTiles(NamedTuple):
 
     share: tuple[NDArray[np.float32], ...]
     size: tuple[int, ...]
+    lace: NDArray[np.float32]  #: Pattern of holes (``seaglint.sea.foam.lace``).
+    drifted: tuple[float, float]  #: Way of the water since the start, towards east and north [m].
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,7 @@ class _Band:
 
     slowest: float  #: Speeds of its breakers [m/s].
     fastest: float
-    rate: float  #: Breakers per area and time [m-2 s-1].
+    rate: float  #: Groups of breaking crests per area and time [m-2 s-1].
     slot: float  #: Length of a slot [s].
     age: float  #: Time from the beginning of a breaker to the end of its foam, at most [s].
     least: float  #: Steepness above which its waves may break [1].
@@ -121,7 +122,6 @@ class FoamField:
     drift: tuple[float, float]  #: Velocity of the water at the surface towards east and north [m/s].
     seed: int
     _bands: tuple[_Band | None, ...]
-    _lace: NDArray[np.float32]
     _slots: dict[tuple[int, int], Breakers] = field(default_factory=dict, repr=False)
     _aged: dict[int, tuple[int, NDArray[np.float32], NDArray[np.float32]]] = field(default_factory=dict, repr=False)
 
@@ -144,11 +144,11 @@ class FoamField:
         """
         drift = DRIFT * wind_speed
         velocity = (drift * math.sin(wind_to_azimuth), drift * math.cos(wind_to_azimuth))
-        return cls(waves, crests, velocity, seed, _bands(waves, crests), _pattern(seed))
+        return cls(waves, crests, velocity, seed, _bands(waves, crests))
 
     def reseeded(self, waves: WaveField, seed: int) -> FoamField:
         """Return the foam of another realisation of the same sea."""
-        return FoamField(waves, self.crests, self.drift, seed, self._bands, _pattern(seed))
+        return FoamField(waves, self.crests, self.drift, seed, self._bands)
 
     def shares(self, time: float) -> FoamTiles:
         """Return the foam of an instant [s]."""
@@ -170,7 +170,8 @@ class FoamField:
         # what is kept does not grow with a sequence
         for key in [key for key in self._slots if key[1] < self._first_slot(key[0], time) - 8]:
             self._slots.pop(key, None)
-        return FoamTiles(tuple(out), tuple(CELLS_PER_POINT * tile.n for tile in self.waves.tiles))
+        drifted = (self.drift[0] * time, self.drift[1] * time)
+        return FoamTiles(tuple(out), tuple(CELLS_PER_POINT * tile.n for tile in self.waves.tiles), lace_pattern(self.seed), drifted)
 
     def _first_slot(self, tile: int, time: float) -> int:
         band = self._bands[tile]
@@ -205,7 +206,7 @@ class FoamField:
         place = place + heading * (PHASE_SPEED * speed * (begin - middle))[:, None]
         life, fed = self.crests.life(speed), self.crests.active(speed)
         decay = (life - fed * (1.0 - 0.5 * RISE)) / _ENDED
-        half = (2.0 / np.pi) * self.crests.crest_length(speed)
+        half = (2.0 / np.pi) * GROUP * self.crests.crest_length(speed)
         return Breakers(place, heading, begin, speed, half, self.crests.duration(speed), fed, decay, draws[:, 5:9])
 
     def _downwind(self, tile: int) -> tuple[float, float]:
@@ -226,8 +227,7 @@ class FoamField:
         base *= np.float32(time / AGED_STEP - step)
         base += before
         self._add(tile, time, step, base, young=True)
-        cell = self.waves.tiles[tile].length / n
-        finish(base, self._lace, cell <= LACE_CELL_M)
+        np.minimum(base, np.float32(1.0), out=base)
         build_pyramid(out, n)
         return out
 
@@ -288,7 +288,7 @@ def _bands(waves: WaveField, crests: BreakingCrests) -> tuple[_Band | None, ...]
         middle = math.sqrt(max(tile.k_min, GRAVITY / (PHASE_SPEED * fastest) ** 2) * tile.k_max)
         period = 2.0 * math.pi / math.sqrt(GRAVITY * middle)
         slot = min(max(SLOT_PERIODS * period, SLOTS_S[0]), SLOTS_S[1])
-        rate = crests.rate_between(slowest, fastest)
+        rate = crests.rate_between(slowest, fastest) / GROUP
         out.append(_Band(slowest, fastest, rate, slot, age, steep * waves.steepness_deviation(i)) if rate > 0.0 else None)
         fastest = slowest
     return tuple(out)
@@ -310,18 +310,6 @@ def _across_crests(steep: NDArray[np.float32], row: NDArray[np.intp], column: ND
     off = np.mod(angle - downwind + 0.5 * np.pi, np.pi) - 0.5 * np.pi
     angle = downwind + ACROSS_CRESTS * off
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
-def _pattern(seed: int) -> NDArray[np.float32]:
-    """Return a pattern of holes: smooth noise whose values are spread evenly between 0 and 1 (LACE_SIZE, LACE_SIZE)."""
-    white = stream(seed, "foam lace").standard_normal((LACE_SIZE, LACE_SIZE))
-    k = np.fft.fftfreq(LACE_SIZE)
-    # blobs of some three cells, with finer ones within
-    spectrum = np.exp(-0.5 * (np.hypot(k[:, None], k[None, :]) / 0.12) ** 2)
-    smooth = np.fft.ifft2(np.fft.fft2(white) * spectrum).real
-    rank = np.empty(smooth.size, np.float32)
-    rank[np.argsort(smooth, axis=None)] = (np.arange(smooth.size) + 0.5) / smooth.size
-    return rank.reshape(smooth.shape)
 
 
 @kernel
@@ -420,24 +408,6 @@ def draw_breakers(
                 share = (high - low) / cell * across * foam_left(age - 0.5 * (low + high) / speed, fed, decay)
                 y, x = i & (n - 1), j & (n - 1)
                 out[y, x] += share
-
-
-@njit
-def finish(cells: np.ndarray, pattern: np.ndarray, holes: bool) -> None:
-    """Limit sums of shares to 1, in place, and divide shares below it into foam and holes by a pattern of even values.
-
-    The mean share with holes is the same.
-    """
-    size = pattern.shape[0]
-    for i in range(cells.shape[0]):
-        for j in range(cells.shape[1]):
-            share = min(cells[i, j], np.float32(1.0))
-            if share <= 0.0:
-                continue
-            if holes and share < 1.0:
-                soft = min(LACE, 2.0 * share, 2.0 * (1.0 - share))
-                share = min(max((share - pattern[i % size, j % size]) / max(soft, 1e-6) + 0.5, 0.0), 1.0)
-            cells[i, j] = share
 
 
 @njit

@@ -359,6 +359,8 @@ def article_view(scenario: Scenario, seen: SeaView | None = None) -> SeaView:
     """
     if scenario.moon is not None:
         raise ScenarioError("mean.mode = 'article' has no Moon; leave out [moon], or set mean.mode = 'spectral'")
+    if scenario.sea.foam is not None:
+        raise ScenarioError("mean.mode = 'article' has no foam; leave out [sea.foam], or set mean.mode = 'spectral'")
     kind = scenario.sea.slopes
     isotropic = (
         flat()
