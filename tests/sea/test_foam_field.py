@@ -14,6 +14,7 @@ from seaglint.sea.foam.coverage_laws import coverage
 from seaglint.sea.foam.foam_field import Breakers, FoamField
 from seaglint.sea.foam.lace import lace_pattern
 from seaglint.sea.spectra import ElfouhailySpectrum
+from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.sea.wave_field import WaveField
 
@@ -119,7 +120,7 @@ def test_area_does_not_depend_on_the_cells(speed: float) -> None:
         assert np.mean([drawn(one, time, cell, n).sum() for one in moved]) * cell**2 == pytest.approx(fine, rel=0.04)
 
 
-def test_waves_break_where_they_are_steep_and_downwind() -> None:
+def test_waves_break_where_they_are_steep_and_forwards() -> None:
     field = breaking(12.0)
     for tile in range(len(field.waves.tiles)):
         deviation = field.waves.steepness_deviation(tile)
@@ -134,8 +135,20 @@ def test_waves_break_where_they_are_steep_and_downwind() -> None:
         at = b.place - b.heading * (b.speed * foam_field.PHASE_SPEED * (b.begin - middle))[:, None]
         column, row = (np.round(at / spacing).astype(int) % n).T
         assert steep[row, column].mean() > 1.4 * deviation
-        assert np.all(b.heading @ np.array(field._downwind(tile)) >= 0.0)
-        assert np.mean(b.heading @ np.array(field._downwind(tile))) > 0.75
+        assert np.all(b.heading @ np.array(field._forwards(tile)) >= 0.0)
+        assert np.mean(b.heading @ np.array(field._forwards(tile))) > 0.75
+
+
+def test_swell_breaks_where_it_goes() -> None:
+    towards = 2.0
+    swell = JonswapSpectrum(3.0, 9.0, towards)
+    waves = WaveField.create(swell, plan_tiles(swell, 8.0, 128), 1)
+    field = FoamField.create(waves, BreakingCrests.create(0.03, 12.0), 12.0, towards + np.pi, 1)
+    east, north = np.sin(towards), np.cos(towards)
+    assert waves.direction(0) == pytest.approx((east, north), abs=0.1)
+    b, turn = field.breakers(0, 3), waves.tiles[0].rotation
+    along = b.heading @ np.array([np.cos(turn) * east + np.sin(turn) * north, np.cos(turn) * north - np.sin(turn) * east])
+    assert along.min() > 0.6
 
 
 def test_foam_of_an_instant_depends_on_nothing_but_the_instant() -> None:

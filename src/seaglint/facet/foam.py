@@ -92,6 +92,21 @@ def foam_emission(foam: FoamTables, at: tuple[int, float], emitted: float) -> fl
 
 
 @kernel
+def mixed_light(foam: FoamTables, at: tuple[int, float], share: float, warm: float, glint: float, bubbles: float) -> tuple[float, float]:
+    """Emission and reflected sky, and reflected sunlight of a place with a share of foam [W m-2 sr-1].
+
+    ``warm``: emission and reflected sky of its water; ``glint``: Sun that its water mirrors; ``bubbles``: ``foam_sunlight`` at the place.
+    """
+    return (1.0 - share) * warm + share * foam_thermal(foam, at, warm), mirroring_share(foam, share) * glint + share * bubbles
+
+
+@kernel
+def mirroring_share(foam: FoamTables, share: float) -> float:
+    """Share of a place with a share of foam that mirrors like water [1]."""
+    return 1.0 - share * (1.0 - foam.mirroring)
+
+
+@kernel
 def foam_sunlight(foam: FoamTables, at: tuple[int, float], sun: Sunlight, slope: tuple[float, float]) -> float:
     """Sunlight that foam on a facet of slope ``slope`` (east, north) reflects diffusely [W m-2 sr-1], of a whole disc at the place.
 

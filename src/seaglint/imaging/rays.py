@@ -19,7 +19,7 @@ from seaglint.base.conventions import FloatArray, horizon_depression, horizon_ra
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.facet.facet_tables import FacetDomain, PathTerms, facet_tables
-from seaglint.facet.foam import NO_FOAM, FoamTables, foam_emission, foam_sunlight, foam_thermal
+from seaglint.facet.foam import NO_FOAM, FoamTables, foam_emission, foam_sunlight, mixed_light
 from seaglint.facet.foam_light import foam_tables
 from seaglint.facet.path_basis import path_basis
 from seaglint.facet.roughness import Sight, line_of_sight
@@ -216,8 +216,8 @@ def ray(
             if bounds.steepest > local_sun.lower_tangent:
                 lay_course(surface, 0, (sun.horizontal_east, sun.horizontal_north), (0.0, 0.0), room.sunward)
                 bubbles *= sun_over_waves(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), local_sun)[0]
-        out[SUN] = solar * (1.0 - share * (1.0 - tables.foam.mirroring)) + share * bubbles
-        out[TOTAL] = path + (1.0 - share) * warm + share * foam_thermal(tables.foam, (i, 0.0), warm) + out[SUN]
+        warm, out[SUN] = mixed_light(tables.foam, (i, 0.0), share, warm, solar, bubbles)
+        out[TOTAL] = path + warm + out[SUN]
         out[EMITTED] = (1.0 - share) * out[EMITTED] + share * foam_emission(tables.foam, (i, 0.0), out[EMITTED])
         out[FOAM] = share
 

@@ -252,6 +252,19 @@ class WaveField:
         """Ensemble standard deviation of :meth:`steepness` [1]: that of the slopes of the tile's waves in all directions together."""
         return float(np.sqrt(sum(self.only(tile).resolved_mss())))
 
+    def direction(self, tile: int) -> tuple[float, float]:
+        """Mean direction in which the waves of a tile travel, weighted with their slope variance: unit vector towards east and north.
+
+        It is the wind's where waves of opposite directions balance.
+        """
+        waves = self._lattices[tile]
+        energy = (waves.variance - waves.opposite) * np.hypot(waves.k_east, waves.k_north)
+        east, north = float(np.sum(energy * waves.k_east)), float(np.sum(energy * waves.k_north))
+        length, whole = np.hypot(east, north), sum(self.only(tile).resolved_mss())
+        if length < 0.05 * whole:
+            return float(np.sin(self.spectrum.wind_to_azimuth)), float(np.cos(self.spectrum.wind_to_azimuth))
+        return east / length, north / length
+
     def _evolved(self, time: float) -> Iterator[tuple[Tile, _Lattice, ComplexArray]]:
         """Tiles, their waves and the Fourier coefficients of their heights at one time."""
         if not np.isfinite(time):

@@ -20,7 +20,7 @@ import numpy as np
 from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
-from seaglint.facet.foam import FoamTables, foam_emission, foam_sunlight, foam_thermal
+from seaglint.facet.foam import FoamTables, foam_emission, foam_sunlight, mirroring_share, mixed_light
 from seaglint.facet.roughness import Sight, line_of_sight
 from seaglint.facet.sky import SkyAbove, haze_between, haze_column, path_along, sky_column, thermal_between
 from seaglint.facet.solar_disc import DISC_ROWS, DiscLine, disc_line
@@ -205,16 +205,15 @@ def mix_foam(swept: Swept, surface: Surface, line: Line, pieces: Pieces, j: int,
         march = (walk.shadow[line.level, 0], walk.shadow[line.level, 1])
         if march[0] > 0.0:
             bubbles *= sun_over_waves(surface, line.level, line.course, line.sunward, pieces.arc[j], march, sun)[0]
-    warm = light[j, TOTAL] - path - glint
-    mirroring = 1.0 - share * (1.0 - swept.foam.mirroring)
-    mixed[SUN] = glint * mirroring + share * bubbles
-    mixed[TOTAL] = path + (1.0 - share) * warm + share * foam_thermal(swept.foam, at, warm) + mixed[SUN]
+    warm, mixed[SUN] = mixed_light(swept.foam, at, share, light[j, TOTAL] - path - glint, glint, bubbles)
+    mixed[TOTAL] = path + warm + mixed[SUN]
+    mirroring = mirroring_share(swept.foam, share)
     mixed[SPREAD] *= mirroring * mirroring
     if light.shape[1] > FEWEST:
         emitted = light[j, EMITTED]
         mixed[EMITTED] = (1.0 - share) * emitted + share * foam_emission(swept.foam, at, emitted)
         mixed[FOAM] = share
-    return float(mirroring)
+    return mirroring
 
 
 @kernel

@@ -7,9 +7,9 @@ steepest crests, at places with the density
 .. math:: p(x) \propto \max(s(x) - a \sigma_s, 0)^2, \qquad s = \sum_k |k| \zeta_k
 
 with s the steepness of the waves ``zeta_k`` of the tile, and a = 1.5, less where foam covers more than a sixtieth of the sea. A breaker
-runs between downwind and the line across its wave's crest, its own crest grows and shrinks as a half ellipse, and it leaves foam that
-grows, stays, decays and drifts with the water. Slots are functions of their number: the foam of an instant depends on scenario, seed and
-time alone.
+runs between the mean direction of these waves and the line across the crest, its own crest grows and shrinks as a half ellipse, and it
+leaves foam that grows, stays, decays and drifts with the water. Slots are functions of their number: the foam of an instant depends on
+scenario, seed and time alone.
 
 Foam is a share between 0 and 1 on square cells of the tile, with the means of 2 x 2, 4 x 4, ... cells for larger pixels. It is read at the
 places of the tile's waves (``seaglint.sea.tiles``), so that it stays on their crests.
@@ -199,7 +199,7 @@ class FoamField:
         total = np.cumsum(above[where].astype(np.float64) ** 2)
         chosen = where[np.searchsorted(total, draws[:, 0] * total[-1], side="right").clip(max=where.size - 1)]
         row, column = np.divmod(chosen, waves.n)
-        heading = _across_crests(steep, row, column, self._downwind(tile))
+        heading = _across_crests(steep, row, column, self._forwards(tile))
         speed = self.crests.speeds(draws[:, 1], band.slowest, band.fastest)
         begin = (slot + draws[:, 2]) * band.slot
         place = (np.stack([column, row], axis=1) + draws[:, 3:5] - 0.5) * waves.spacing
@@ -209,10 +209,9 @@ class FoamField:
         half = (2.0 / np.pi) * GROUP * self.crests.crest_length(speed)
         return Breakers(place, heading, begin, speed, half, self.crests.duration(speed), fed, decay, draws[:, 5:9])
 
-    def _downwind(self, tile: int) -> tuple[float, float]:
-        """Return the direction of the waves on a tile's axes."""
-        azimuth, turn = self.waves.spectrum.wind_to_azimuth, self.waves.tiles[tile].rotation
-        east, north = math.sin(azimuth), math.cos(azimuth)
+    def _forwards(self, tile: int) -> tuple[float, float]:
+        """Return the mean direction of the waves of a tile on its axes: downwind, or that of a swell."""
+        (east, north), turn = self.waves.direction(tile), self.waves.tiles[tile].rotation
         return math.cos(turn) * east + math.sin(turn) * north, math.cos(turn) * north - math.sin(turn) * east
 
     def _drawn(self, tile: int, time: float, step: int) -> NDArray[np.float32]:
