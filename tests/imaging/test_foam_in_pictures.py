@@ -96,7 +96,7 @@ def test_foam_that_lies_anywhere_adds_what_it_adds_to_the_map(sun: float) -> Non
     mean = [mean_radiance(one, eye.elevations, eye.azimuths).total.mean() for one in (foam, view)]
     # bubbles replace water, of which picture and map differ by 0.1 %
     other_water = BUBBLES * share * (found[1] - mean[1])
-    assert found[0] - found[1] == pytest.approx(mean[0] - mean[1] - other_water, rel=0.03)
+    assert found[0] - found[1] == pytest.approx(mean[0] - mean[1] - other_water, rel=0.05)
 
 
 def test_foam_changes_no_pixel_beside_it() -> None:

@@ -18,14 +18,14 @@ from seaglint.store.provenance import differences
 
 def test_layers_are_variables_that_leave_the_program():
     assert set(LAYERS) < set(VARIABLES)
-    assert len(set(LAYERS)) == len(LAYERS) == 9
-    assert [VARIABLES[name].units for name in LAYERS] == 4 * ["W m-2 sr-1"] + ["m", *4 * ["1"]]
+    assert len(set(LAYERS)) == len(LAYERS) == 10
+    assert [VARIABLES[name].units for name in LAYERS] == 4 * ["W m-2 sr-1"] + ["m", *5 * ["1"]]
 
 
 def test_none_by_default_and_all_in_the_order_given():
     assert parse_scenario({}).render.layers == ()
     backwards = LAYERS[::-1]
-    scenario = parse_scenario({"render": {"layers": list(backwards)}})
+    scenario = parse_scenario({"render": {"layers": list(backwards)}, "sea": {"foam": {}}})
     assert scenario.render.layers == backwards
     assert Scenario.model_validate_json(scenario.model_dump_json(exclude_none=True)) == scenario
 

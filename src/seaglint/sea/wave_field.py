@@ -253,7 +253,7 @@ class WaveField:
         return float(np.sqrt(sum(self.only(tile).resolved_mss())))
 
     def direction(self, tile: int) -> tuple[float, float]:
-        """Mean direction in which the waves of a tile travel, weighted with their slope variance: unit vector towards east and north.
+        """Mean direction in which the waves of a tile travel, weighted with their slope variance: unit vector [1] towards east and north.
 
         It is the wind's where waves of opposite directions balance.
         """

@@ -28,7 +28,7 @@ _LARGEST: Final = 48.0  #: Length of the largest structures [cells].
 
 @lru_cache(maxsize=4)
 def lace_pattern(seed: int) -> NDArray[np.float32]:
-    """Return the pattern of a seed (SIZE, SIZE); read-only."""
+    """Return the pattern of a seed, values [1, (SIZE, SIZE)]; read-only."""
     white = stream(seed, "foam lace").standard_normal((SIZE, SIZE))
     frequency = np.hypot(*np.meshgrid(np.fft.fftfreq(SIZE), np.fft.fftfreq(SIZE)))
     # variance falls with the frequency to the power -2.4 between the largest structures and those of some three cells
