@@ -56,11 +56,20 @@ def test_it_moves_in_the_steps_of_the_sun():
     assert across == pytest.approx(turn, rel=0.02)  # its declination is -5 deg
 
 
+INSTEAD = "Sun and Moon; or give [sun] instead, with zenith_deg, azimuth_deg and phase_deg in [moon]"
+
+
 @pytest.mark.parametrize(
     ("tables", "message"),
     [
         ({"moon": {}}, "moon has no angles and needs [time] and [place]"),
         ({"sun": {}, "moon": {}}, "moon has no angles and needs [time] and [place]"),
+        ({"time": NIGHT["time"], "moon": {}}, f"place is missing: [time] needs [place] latitude_deg, longitude_deg to find {INSTEAD}"),
+        ({"place": NIGHT["place"], "moon": {}}, f"time is missing: [place] needs [time] utc to find {INSTEAD}"),
+        (
+            {"moon": GIVEN, "mean": {"mode": "article"}},
+            "mean.mode = 'article' has no Moon; leave out [moon], or set mean.mode = 'spectral'",
+        ),
         ({"moon": {"zenith_deg": 50}}, "moon.azimuth_deg is missing, but zenith_deg is given; give zenith_deg, azimuth_deg and phase_deg"),
         ({**NIGHT, "moon": {"zenith_deg": 50, "azimuth_deg": 0}}, "moon.phase_deg is missing, but zenith_deg and azimuth_deg are given"),
         ({"moon": GIVEN | {"phase_deg": 400}}, "moon.phase_deg = 400 is outside the allowed range: 0 to 180 deg"),

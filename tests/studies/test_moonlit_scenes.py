@@ -131,8 +131,6 @@ LIKELY = {"likelihood": {"threshold_w_m2_sr": [0.1], "case": "single-look", "pla
 @pytest.mark.parametrize(
     ("refused", "message"),
     [
-        (lambda: mean(parse_scenario(SMALL | {"mean": {"mode": "article"}})), "mean.mode = 'article'"),
-        (lambda: LikelihoodModel.of(parse_scenario(LIKELY | {"mean": {"mode": "article"}})), "mean.mode = 'article'"),
         (
             lambda: LikelihoodModel.of(parse_scenario(LIKELY | {"likelihood": LIKELY["likelihood"] | {"azimuths": "integrated"}})),
             "likelihood.azimuths = 'integrated'",
@@ -140,7 +138,7 @@ LIKELY = {"likelihood": {"threshold_w_m2_sr": [0.1], "case": "single-look", "pla
         (lambda: best_looks(parse_scenario(LIKELY), date="2026-06-21"), "the search for the best look"),
         (lambda: likelihood_map(parse_scenario(LIKELY)), "a map of the likelihood"),
     ],
-    ids=["article", "likelihood in the article's mode", "integrated", "best looks", "map"],
+    ids=["integrated", "best looks", "map"],
 )
 def test_what_has_no_moon_is_refused_in_one_line(refused, message):
     with pytest.raises(SeaglintError, match=r"\[moon\]") as error:

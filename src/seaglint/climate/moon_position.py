@@ -24,15 +24,7 @@ from scipy import constants
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.climate.ephemeris import (
-    DELTA_T,
-    EQUATOR,
-    FLATTENING,
-    ephemeris_steps,
-    geocentric_sun,
-    seen_elevation,
-    year_span,
-)
+from seaglint.climate.ephemeris import DELTA_T, EQUATOR, FLATTENING, ephemeris_steps, geocentric_sun, seen_elevation, year_span
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline

@@ -104,6 +104,8 @@ class LightDisc:
         return self.radius * math.sqrt(max(self.lit, _THIN))
 
 
+LOWER_LIMB: Final = math.pi  #: Bright limb of a Moon without a Sun [rad]: the lower one, towards a Sun below the horizon.
+
 SUN_DISC: Final = LightDisc(SOLAR_ANGULAR_RADIUS)  #: The Sun's disc.
 
 
