@@ -142,6 +142,15 @@ def lit_middle(
     return np.asarray(np.arctan2(np.hypot(towards, aside), height)), np.asarray(azimuth + np.arctan2(aside, towards))
 
 
+def farthest_turn(height: float) -> float:
+    """Turn of the vertical between the foot of a sensor at a height [m] and the farthest crest in view [rad].
+
+    >>> round(math.degrees(farthest_turn(10_000.0)), 2)
+    3.62
+    """
+    return float(turn_at(horizon_range(height) + horizon_range(_CREST)))
+
+
 @dataclass(frozen=True, eq=False)
 class SeaView:
     """Sensor, sea, air, Sun and band of a view, without its directions."""
@@ -235,7 +244,7 @@ class SeaView:
     @property
     def farthest_turn(self) -> float:
         """Turn of the vertical between the sensor's foot and the farthest crest in view [rad]."""
-        return float(turn_at(horizon_range(self.sensor_height) + horizon_range(_CREST)))
+        return farthest_turn(self.sensor_height)
 
     @cached_property
     def glint_width(self) -> float:
