@@ -383,7 +383,7 @@ def _about_moon(scenario: Scenario) -> list[str]:
     if likelihood_table(scenario).azimuths == "integrated":
         require_no_moon(scenario, "likelihood.azimuths = 'integrated'")
     text = "glint is the Sun's and the Moon's, and clouds count in front of the brighter one; azimuths of looks are from the Sun"
-    return [f"[moon]: {text}, and are drawn, evenly"]
+    return [f"[moon]: {text}, and are drawn, evenly: intervals of rare thresholds are wide"]
 
 
 def _complete(table: WeatherTable, settings: Likelihood) -> tuple[WeatherTable, int]:
