@@ -84,6 +84,10 @@ def test_scenario_and_law_end_at_the_same_winds(law: str) -> None:
             _scenario(7.0, {}, slopes={"kind": "flat"}),
             "sea.foam is given for a mirror (sea.slopes.kind = 'flat'), whose waves cannot break; leave out one of them",
         ),
+        (
+            _scenario(7.0, {}) | {"mean": {"mode": "article"}},
+            "mean.mode = 'article' has no foam; leave out [sea.foam], or set mean.mode = 'spectral'",
+        ),
         (_scenario(7.0, {"law": "monahan-1971"}), "sea.foam.law = 'monahan-1971' is not one of 'monahan-1980', 'monahan-1980-robust'"),
         (_scenario(7.0, {"share": 0.1}), "sea.foam.share"),
         (_scenario(7.0, {"extrapolate": 1}), "sea.foam.extrapolate = 1"),

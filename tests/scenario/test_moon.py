@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 
 import numpy as np
@@ -11,7 +12,7 @@ from seaglint.base.errors import ScenarioError
 from seaglint.climate.moon_position import MoonEphemeris
 from seaglint.optics.moonlight import MEAN_MOON_DISTANCE
 from seaglint.scenario.ensemble_file import load_ensemble
-from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.moon import moon_position
 from seaglint.scenario.sun import SUN_STEP_TIME
 from seaglint.scenario.text.display import scenario_html
@@ -56,11 +57,20 @@ def test_it_moves_in_the_steps_of_the_sun():
     assert across == pytest.approx(turn, rel=0.02)  # its declination is -5 deg
 
 
+INSTEAD = "Sun and Moon; or give [sun] instead, with zenith_deg, azimuth_deg and phase_deg in [moon]"
+
+
 @pytest.mark.parametrize(
     ("tables", "message"),
     [
         ({"moon": {}}, "moon has no angles and needs [time] and [place]"),
         ({"sun": {}, "moon": {}}, "moon has no angles and needs [time] and [place]"),
+        ({"time": NIGHT["time"], "moon": {}}, f"place is missing: [time] needs [place] latitude_deg, longitude_deg to find {INSTEAD}"),
+        ({"place": NIGHT["place"], "moon": {}}, f"time is missing: [place] needs [time] utc to find {INSTEAD}"),
+        (
+            {"moon": GIVEN, "mean": {"mode": "article"}},
+            "mean.mode = 'article' has no Moon; leave out [moon], or set mean.mode = 'spectral'",
+        ),
         ({"moon": {"zenith_deg": 50}}, "moon.azimuth_deg is missing, but zenith_deg is given; give zenith_deg, azimuth_deg and phase_deg"),
         ({**NIGHT, "moon": {"zenith_deg": 50, "azimuth_deg": 0}}, "moon.phase_deg is missing, but zenith_deg and azimuth_deg are given"),
         ({"moon": GIVEN | {"phase_deg": 400}}, "moon.phase_deg = 400 is outside the allowed range: 0 to 180 deg"),
@@ -89,6 +99,14 @@ def test_times_and_places_that_are_drawn_need_none():
         ({**NIGHT, "moon": {}}, "Moon              zenith 46.68 deg, azimuth 160.14 deg, phase 3.3 deg (100 % lit), radius 0.256 deg"),
         ({"moon": GIVEN}, "Moon              zenith 50.00 deg, azimuth 120.00 deg, phase 30.0 deg (93 % lit), radius 0.259 deg"),
         ({"moon": GIVEN | {"zenith_deg": 91.0}}, "radius 0.259 deg; it is below the horizon: no moonlight"),
+        (
+            {"moon": GIVEN | {"zenith_deg": 91.0}, "sensor": {"height_m": 10_000.0}},
+            "radius 0.259 deg; it is below the horizontal: only places towards it are lit",
+        ),
+        (
+            {"time": {"utc": "2025-09-07T18:12:00Z"}, "place": {"latitude_deg": 0.0, "longitude_deg": 87.0}, "moon": {}},
+            "note              the Moon may be in the Earth's shadow: eclipses are left out",
+        ),
     ],
 )
 def test_facts_of_a_file_say_where_it_is(tmp_path, tables, expected):
@@ -97,6 +115,15 @@ def test_facts_of_a_file_say_where_it_is(tmp_path, tables, expected):
     lines = describe_scenario(tmp_path / "night.toml").lines
     assert any(line.strip().endswith(expected) for line in lines)
     assert any(line.strip().startswith("Sun ") for line in lines)
+
+
+@pytest.mark.parametrize(("phase", "told"), [(0.0, True), (157.0, True), (160.0, False)])
+def test_phases_that_the_sun_does_not_give_are_reported(tmp_path, caplog, monkeypatch, phase, told):
+    monkeypatch.setattr(logging.getLogger("seaglint"), "propagate", True)
+    angles = f"[sun]\nzenith_deg = 62\nazimuth_deg = 90\n[moon]\nzenith_deg = 60\nazimuth_deg = 90\nphase_deg = {phase}\n"
+    (tmp_path / "beside.toml").write_text(angles, encoding="utf-8")
+    load_scenario(tmp_path / "beside.toml")
+    assert ["2 deg apart, where the phase angle is 178 deg" in record.getMessage() for record in caplog.records] == [True] * told
 
 
 def test_notebooks_show_it():

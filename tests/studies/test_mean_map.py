@@ -223,7 +223,7 @@ def test_blocks_of_rows_give_the_whole_map_and_report_progress(tables, monkeypat
     assert len(set(totals)) == 1
 
 
-def test_foam_is_mixed_by_the_law_and_left_out_by_the_article():
+def test_foam_is_mixed_by_the_law():
     sea = {"water": "hale-querry-sea", "slopes": {"kind": "cox-munk-isotropic"}}
     wind = {"speed_m_s": 15.0}
     plain, foamy = (mean_map("spectral", wind=wind, sea=sea | foam) for foam in ({}, {"foam": {}}))
@@ -237,6 +237,3 @@ def test_foam_is_mixed_by_the_law_and_left_out_by_the_article():
     assert more.max() < 1.0 + share
     assert (foamy["glint_std"].values[below] <= plain["glint_std"].values[below]).all()
     np.testing.assert_array_equal(foamy["path_radiance"], plain["path_radiance"])
-    article, without = (mean_map("article", wind=wind, sea=sea | foam) for foam in ({"foam": {}}, {}))
-    np.testing.assert_array_equal(article["radiance"], without["radiance"])
-    assert "foam_share" not in article.attrs

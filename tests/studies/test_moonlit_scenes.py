@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import SeaglintError
+from seaglint.cli.likelihood import lines
 from seaglint.climate.moon_position import MoonEphemeris
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.formats.tables.input_tables import Cases
@@ -121,8 +122,17 @@ def test_moonlit_nights_of_a_year():
     lit = drawn.radiance[night] > 0.0
     assert np.all(zenith[lit] < 0.5 * np.pi + 0.01)
     assert np.mean(lit) > 0.25, "the Moon is up half of the time, and not always behind clouds"
-    assert any("[moon]" in note for note in with_moon.summary().notes)
+    summary = with_moon.summary()
+    assert any("[moon]" in note for note in summary.notes)
     assert not any("[moon]" in note for note in without.summary().notes)
+    # refraction and the parallax of one degree nearly cancel
+    assert summary.as_dict()["moon_up"]["share"] == pytest.approx(0.5, abs=0.02)
+    assert "moon_up" not in without.as_dict()
+    told = lines(summary)[-2]
+    assert told.startswith("  Sun up in ")
+    assert " %, Moon up in " in told
+    assert " % of the draws; the brighter one free of clouds in " in told
+    assert "Moon" not in lines(without.summary())[-2]
 
 
 LIKELY = {"likelihood": {"threshold_w_m2_sr": [0.1], "case": "single-look", "place": [45.0, -30.0]}, "moon": {}}
@@ -131,8 +141,6 @@ LIKELY = {"likelihood": {"threshold_w_m2_sr": [0.1], "case": "single-look", "pla
 @pytest.mark.parametrize(
     ("refused", "message"),
     [
-        (lambda: mean(parse_scenario(SMALL | {"mean": {"mode": "article"}})), "mean.mode = 'article'"),
-        (lambda: LikelihoodModel.of(parse_scenario(LIKELY | {"mean": {"mode": "article"}})), "mean.mode = 'article'"),
         (
             lambda: LikelihoodModel.of(parse_scenario(LIKELY | {"likelihood": LIKELY["likelihood"] | {"azimuths": "integrated"}})),
             "likelihood.azimuths = 'integrated'",
@@ -140,7 +148,7 @@ LIKELY = {"likelihood": {"threshold_w_m2_sr": [0.1], "case": "single-look", "pla
         (lambda: best_looks(parse_scenario(LIKELY), date="2026-06-21"), "the search for the best look"),
         (lambda: likelihood_map(parse_scenario(LIKELY)), "a map of the likelihood"),
     ],
-    ids=["article", "likelihood in the article's mode", "integrated", "best looks", "map"],
+    ids=["integrated", "best looks", "map"],
 )
 def test_what_has_no_moon_is_refused_in_one_line(refused, message):
     with pytest.raises(SeaglintError, match=r"\[moon\]") as error:

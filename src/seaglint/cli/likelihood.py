@@ -81,7 +81,11 @@ def lines(summary: LikelihoodSummary) -> list[str]:
         more = "" if row.false_alarms_per_hour is None else f"  {row.false_alarms_per_hour:.4g} false alarms an hour"
         out.append(f"  {row.threshold_w_m2_sr:>24g}  {row.probability:>12.5g}  {low:.5g} to {high:.5g}{more}")
     up, free = summary.sun_up.share, summary.sun_free_of_clouds
-    out.append(f"  Sun up in {100 * up:.4g} % of the draws, free of clouds in {100 * free:.4g} %")
+    if summary.moon_up is None:
+        out.append(f"  Sun up in {100 * up:.4g} % of the draws, free of clouds in {100 * free:.4g} %")
+    else:
+        of_moon = f"Moon up in {100 * summary.moon_up.share:.4g} % of the draws"
+        out.append(f"  Sun up in {100 * up:.4g} %, {of_moon}; the brighter one free of clouds in {100 * free:.4g} %")
     exceeded = ", ".join(f"{row.radiance_w_m2_sr:.3g} in {100 * row.share_of_looks:g} %" for row in summary.contrast_exceeded_by_glint)
     return [*out, f"  glint exceeds [W m-2 sr-1]: {exceeded} of the looks"]
 

@@ -14,6 +14,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from seaglint.base.constants import DARK_SUN
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import in_threads, kernel, njit
@@ -24,7 +25,8 @@ STANDARD_TEMPERATURE: Final = 12.0  #: Default air for refraction [hPa], [degC]:
 _STEP: Final = 21_600.0
 DELTA_T: Final = 67.0  #: Terrestrial minus universal time [s]; 10 s more move the Sun by 1e-4 deg.
 
-RISE: Final = 0.5667  #: Refraction at the horizon of the algorithm [deg]; a Sun lower by it and the disc's radius is not refracted.
+RISE: Final = 0.5667  #: Refraction at the horizon of the algorithm [deg].
+SET: Final = -(0.26667 + RISE)  #: Elevation without refraction below which the algorithm has none [deg].
 
 FLATTENING: Final = 0.99664719  #: Polar over equatorial radius of the Earth [1].
 EQUATOR: Final = 6_378_140.0  #: Equatorial radius of the Earth [m].
@@ -138,6 +140,20 @@ def year_span(year: int) -> tuple[float, float]:
     return first, last
 
 
+def seen_elevation(elevation: FloatArray) -> FloatArray:
+    """Return the elevation of Sun or Moon with refraction [deg], from the elevation without it [deg].
+
+    A light that has set keeps the refraction of the moment, to the end of twilight: its direction has no step at the horizon.
+    """
+    from pvlib.spa import atmospheric_refraction_correction
+
+    air = (STANDARD_PRESSURE, STANDARD_TEMPERATURE)
+    seen = elevation + atmospheric_refraction_correction(*air, elevation, RISE)
+    lifted = elevation + atmospheric_refraction_correction(*air, np.array(SET), RISE)
+    twilight = (elevation < SET) & (lifted > 90.0 - math.degrees(DARK_SUN))
+    return np.asarray(np.where(twilight, lifted, seen))
+
+
 @kernel
 def _cubic(f: float, a: float, b: float, c: float, d: float) -> float:
     """Cubic interpolation between four even points, at the fraction ``f`` between the middle two."""
@@ -181,7 +197,7 @@ def _fill(
         sine = math.sin(lat) * math.sin(seen) + math.cos(lat) * math.cos(seen) * math.cos(hour)
         elevation = math.asin(min(max(sine, -1.0), 1.0)) / radian
         # Refraction by the algorithm's formula, in degrees; its argument is the true elevation.
-        if elevation >= -(0.26667 + RISE):
+        if elevation >= SET:
             elevation += air[0] * 1.02 / (60.0 * math.tan((elevation + 10.3 / (elevation + 5.11)) * radian))
         out[0, n] = (90.0 - elevation) * radian
         south = math.atan2(math.sin(hour), math.cos(hour) * math.sin(lat) - math.tan(seen) * math.cos(lat))

@@ -47,8 +47,8 @@ class ExceededContrast:
 
 
 @dataclass(frozen=True)
-class SunUp:
-    """Share of the draws with the Sun's centre above the horizon [1], and its 95 % interval."""
+class LightUp:
+    """Share of the draws with the centre of Sun or Moon above the horizon [1], and its 95 % interval."""
 
     share: float
     interval: list[float]
@@ -70,8 +70,8 @@ class LikelihoodSummary:
     quantity: str  #: Requested quantity.
     case: str  #: Kind of look.
     results: list[ThresholdChance]  #: Chance of each threshold.
-    sun_up: SunUp  #: Share of the draws in which the Sun is up.
-    sun_free_of_clouds: float  #: Share in which clouds leave it free [1].
+    sun_up: LightUp  #: Share of the draws in which the Sun is up.
+    sun_free_of_clouds: float  #: Share in which clouds leave it free, or with a Moon the brighter one of both [1].
     contrast_exceeded_by_glint: list[ExceededContrast]  #: Radiances by the share of looks that exceed them.
     samples: int  #: Number of draws.
     scramblings: int  #: Number of independent sets of draws.
@@ -82,7 +82,9 @@ class LikelihoodSummary:
     weather: DrawnWeather  #: Table of weather.
     strata: list[StratumChance]  #: Chances by threshold and condition.
     notes: list[str]  #: Remarks.
+    moon_up: LightUp | None = None  #: Share of the draws in which the Moon is up; None without a Moon.
 
     def as_dict(self) -> JsonObject:
-        """Return plain numbers and text."""
-        return asdict(self) | {"results": [chance.as_row() for chance in self.results]}
+        """Return plain numbers and text; ``moon_up`` only with a Moon."""
+        values = asdict(self) | {"results": [chance.as_row() for chance in self.results]}
+        return {name: value for name, value in values.items() if name != "moon_up" or value is not None}

@@ -24,17 +24,7 @@ from scipy import constants
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.climate.ephemeris import (
-    DELTA_T,
-    EQUATOR,
-    FLATTENING,
-    RISE,
-    STANDARD_PRESSURE,
-    STANDARD_TEMPERATURE,
-    ephemeris_steps,
-    geocentric_sun,
-    year_span,
-)
+from seaglint.climate.ephemeris import DELTA_T, EQUATOR, FLATTENING, ephemeris_steps, geocentric_sun, seen_elevation, year_span
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -157,10 +147,7 @@ class MoonEphemeris:
         sun_distance = np.sqrt(np.sum(to_sun**2, axis=0))
         phase = np.arccos(np.clip(-np.sum(to_sun * moon, axis=0) / (sun_distance * distance), -1.0, 1.0))
         if refracted:
-            from pvlib.spa import atmospheric_refraction_correction
-
-            true = 90.0 - np.degrees(zenith)
-            zenith = zenith - np.radians(atmospheric_refraction_correction(STANDARD_PRESSURE, STANDARD_TEMPERATURE, true, RISE))
+            zenith = np.radians(90.0 - seen_elevation(90.0 - np.degrees(zenith)))
         return MoonPositions(zenith, azimuth, phase, distance, np.asarray(limb), sun_distance / constants.au)
 
 

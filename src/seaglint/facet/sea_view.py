@@ -104,6 +104,8 @@ class LightDisc:
         return self.radius * math.sqrt(max(self.lit, _THIN))
 
 
+LOWER_LIMB: Final = math.pi  #: Bright limb of a Moon without a Sun [rad]: the lower one, towards a Sun below the horizon.
+
 SUN_DISC: Final = LightDisc(SOLAR_ANGULAR_RADIUS)  #: The Sun's disc.
 
 
@@ -138,6 +140,15 @@ def lit_middle(
     # the direction in the vertical plane of the centre: towards it, across to the right, and up
     towards, height = sine - up * cosine, cosine + up * sine
     return np.asarray(np.arctan2(np.hypot(towards, aside), height)), np.asarray(azimuth + np.arctan2(aside, towards))
+
+
+def farthest_turn(height: float) -> float:
+    """Turn of the vertical between the foot of a sensor at a height [m] and the farthest crest in view [rad].
+
+    >>> round(math.degrees(farthest_turn(10_000.0)), 2)
+    3.62
+    """
+    return float(turn_at(horizon_range(height) + horizon_range(_CREST)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,7 +244,7 @@ class SeaView:
     @property
     def farthest_turn(self) -> float:
         """Turn of the vertical between the sensor's foot and the farthest crest in view [rad]."""
-        return float(turn_at(horizon_range(self.sensor_height) + horizon_range(_CREST)))
+        return farthest_turn(self.sensor_height)
 
     @cached_property
     def glint_width(self) -> float:

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.scenario.sun import seen_elevation
+from seaglint.climate.ephemeris import seen_elevation
 
 _YEAR: Final = 2026  #: Year of the dates that ``dated_sun`` chooses.
 

@@ -17,6 +17,7 @@ from pydantic_core import ErrorDetails
 from seaglint.base.errors import Mistake, ScenarioError
 from seaglint.scenario.keys import Key, choices_at, is_list, key_at, key_paths, kinds_with, list_length, table_keys, tag_name, tags
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.moon import phase_misfit
 from seaglint.scenario.presets import with_sensor
 from seaglint.scenario.records.object_tables import with_names
 from seaglint.scenario.records.quantities import meant_in
@@ -55,6 +56,8 @@ def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
         raise ScenarioError(f"{path}: holds lists or tables nested hundreds deep; 'seaglint init' writes a file to start from") from None
     scenario = parse_scenario(raw if sensor is None else with_sensor(raw, sensor), name=str(path), base=path.parent)
     report_moments(raw, str(path))
+    if (misfit := phase_misfit(scenario)) is not None:
+        log.warning("seaglint: %s: %s", path, misfit)
     return scenario
 
 

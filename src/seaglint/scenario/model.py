@@ -88,10 +88,13 @@ class Scenario(Record):
                 return self
             if self.likelihood.of_the_world and self.time is None:
                 return self
+        lights, instead = "the Sun", "give [sun] instead"
+        if self.moon is not None and not self.moon.given:
+            lights, instead = "Sun and Moon", f"{instead}, with zenith_deg, azimuth_deg and phase_deg in [moon]"
         if self.sun is None and self.place is None:
-            raise rule("place", "is missing: [time] needs [place] latitude_deg, longitude_deg to find the Sun; or give [sun] instead")
+            raise rule("place", f"is missing: [time] needs [place] latitude_deg, longitude_deg to find {lights}; or {instead}")
         if self.sun is None and self.time is None and self.likelihood is None:
-            raise rule("time", "is missing: [place] needs [time] utc to find the Sun; or give [sun] instead")
+            raise rule("time", f"is missing: [place] needs [time] utc to find {lights}; or {instead}")
         return self
 
     @model_validator(mode="after")
@@ -102,6 +105,13 @@ class Scenario(Record):
         if (self.time is None or self.place is None) and not draws:
             text = "has no angles and needs [time] and [place]; give both, or zenith_deg, azimuth_deg and phase_deg in [moon]"
             raise rule("moon", text)
+        return self
+
+    @model_validator(mode="after")
+    def _article_has_neither_moon_nor_foam(self) -> Self:
+        for table, name, given in (("moon", "Moon", self.moon), ("sea.foam", "foam", self.sea.foam)):
+            if self.mean.mode == "article" and given is not None:
+                raise rule("mean.mode", f"= 'article' has no {name}; leave out [{table}], or set mean.mode = 'spectral'", value="article")
         return self
 
     @model_validator(mode="after")

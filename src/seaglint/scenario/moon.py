@@ -5,10 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from datetime import timedelta
+from typing import Final
 
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SUN_STEP_TIME, sun_position
+
+ECLIPSED: Final = math.radians(1.5)  #: Phase angle below which the Moon may be in the Earth's shadow [rad].
+
+_MISFIT: Final = 20.0  #: Least difference between a given phase angle and that of the given Sun that is reported [deg].
 
 
 @dataclass(frozen=True)
@@ -71,3 +76,31 @@ def moon_position(scenario: Scenario, step: int = 0) -> MoonPosition | None:
     place = (scenario.place.latitude_deg, scenario.place.longitude_deg)
     moon = MoonEphemeris.between(seconds, seconds).at(seconds, *place)
     return MoonPosition(*(float(values[0]) for values in moon))
+
+
+def phase_misfit(scenario: Scenario) -> str | None:
+    """Return a sentence on a given phase angle that the given directions of Sun and Moon do not have; None where they fit.
+
+    The Sun is so far away that the phase angle is 180 degrees less the angle between both in the sky.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> moon = {"zenith_deg": 60, "azimuth_deg": 90, "phase_deg": 0}
+    >>> phase_misfit(parse_scenario({"sun": {"zenith_deg": 62, "azimuth_deg": 90}, "moon": moon}))
+    'moon.phase_deg = 0, but Sun and Moon are 2 deg apart, where the phase angle is 178 deg; correct one of them unless it is intended'
+    """
+    sun, moon = scenario.sun, scenario.moon
+    if sun is None or not sun.model_fields_set or moon is None:
+        return None
+    if moon.zenith_deg is None or moon.azimuth_deg is None or moon.phase_deg is None:
+        return None
+    low, high, aside = (math.radians(angle) for angle in (sun.zenith_deg, moon.zenith_deg, sun.azimuth_deg - moon.azimuth_deg))
+    cosine = math.cos(low) * math.cos(high) + math.sin(low) * math.sin(high) * math.cos(aside)
+    apart = math.degrees(math.acos(min(max(cosine, -1.0), 1.0)))
+    if abs(180.0 - apart - moon.phase_deg) <= _MISFIT:
+        return None
+    return (
+        f"moon.phase_deg = {moon.phase_deg:g}, but Sun and Moon are {apart:.0f} deg apart, where the phase angle is "
+        f"{180.0 - apart:.0f} deg; correct one of them unless it is intended"
+    )

@@ -7,10 +7,6 @@ from dataclasses import dataclass
 from datetime import timedelta
 from typing import Final
 
-import numpy as np
-
-from seaglint.base.constants import DARK_SUN
-from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.model import Scenario
 
@@ -47,30 +43,12 @@ def sun_step(scenario: Scenario, time: float) -> int:
     return 0 if scenario.sun is not None else math.floor(time / SUN_STEP_TIME)
 
 
-#: Air of pvlib for refraction [hPa], [degC], its refraction at the horizon [deg], and the elevation below which pvlib has none [deg].
-_AIR: Final = (1013.25, 12.0)
-_RISE: Final = 0.5667
-_SET: Final = -(0.26667 + _RISE)
-
-
-def seen_elevation(elevation: FloatArray) -> FloatArray:
-    """Return the elevation of the Sun with refraction [deg], from the elevation without it [deg].
-
-    A Sun that has set keeps the refraction of the moment, to the end of twilight: its scattered light has no step.
-    """
-    from pvlib.spa import atmospheric_refraction_correction
-
-    seen = elevation + atmospheric_refraction_correction(*_AIR, elevation, _RISE)
-    lifted = elevation + atmospheric_refraction_correction(*_AIR, np.array(_SET), _RISE)
-    twilight = (elevation < _SET) & (lifted > 90.0 - math.degrees(DARK_SUN))
-    return np.asarray(np.where(twilight, lifted, seen))
-
-
 def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
     """Return direction and distance of the Sun at the scenario's first frame, or at the beginning of a later step (``sun_step``).
 
-    Date and place go through the NREL solar position algorithm (Reda and Andreas 2004) of pvlib, with its standard
-    atmosphere for refraction: the sea mirrors the Sun from where it is seen. Over a sequence it stays for ``SUN_STEP_TIME`` at a time.
+    Date and place go through the NREL solar position algorithm (Reda and Andreas 2004) of pvlib. Refraction is that of its standard
+    atmosphere (``seen_elevation``): the sea mirrors the Sun from where it is seen. Over a sequence it stays for ``SUN_STEP_TIME`` at a
+    time.
 
     Examples
     --------
@@ -87,10 +65,10 @@ def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
     import pandas as pd
     from pvlib import solarposition
 
+    from seaglint.climate.ephemeris import seen_elevation
+
     times = pd.DatetimeIndex([scenario.time.utc + timedelta(seconds=step * SUN_STEP_TIME)])
     angles = solarposition.get_solarposition(times, scenario.place.latitude_deg, scenario.place.longitude_deg, method="nrel_numpy")
     distance = float(solarposition.nrel_earthsun_distance(times).iloc[0])
-    zenith, elevation = float(angles["apparent_zenith"].iloc[0]), float(angles["elevation"].iloc[0])
-    if elevation < _SET:
-        zenith = 90.0 - float(seen_elevation(np.array(elevation)))
+    zenith = 90.0 - float(seen_elevation(angles["elevation"].to_numpy())[0])
     return SunPosition(math.radians(zenith), math.radians(float(angles["azimuth"].iloc[0])), distance)

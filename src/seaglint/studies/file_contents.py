@@ -136,7 +136,8 @@ def describe_scenario(path: Path) -> ScenarioFacts:
 
 def _moon_lines(scenario: Scenario) -> list[str]:
     """Return lines on the Sun and the Moon over a scenario with ``[moon]``."""
-    from seaglint.scenario.moon import moon_position
+    from seaglint.facet.sea_view import farthest_turn
+    from seaglint.scenario.moon import ECLIPSED, moon_position
     from seaglint.scenario.sun import sun_position
 
     try:
@@ -146,12 +147,19 @@ def _moon_lines(scenario: Scenario) -> list[str]:
     if moon is None:
         return []
     zenith, azimuth, phase, radius = (math.degrees(angle) for angle in (moon.zenith, moon.azimuth, moon.phase, moon.radius))
-    below = "; it is below the horizon: no moonlight" if moon.zenith - moon.radius > 0.5 * math.pi else ""
-    return [
+    below = ""
+    if (depth := moon.zenith - moon.radius - 0.5 * math.pi) > farthest_turn(scenario.sensor.height_m):
+        below = "; it is below the horizon: no moonlight"
+    elif depth > 0.0:
+        below = "; it is below the horizontal: only places towards it are lit"
+    lines = [
         f"Sun               zenith {math.degrees(sun.zenith):.2f} deg, azimuth {math.degrees(sun.azimuth) % 360.0:.2f} deg",
         f"Moon              zenith {zenith:.2f} deg, azimuth {azimuth % 360.0:.2f} deg, phase {phase:.1f} deg "
         f"({100.0 * moon.lit_share:.0f} % lit), radius {radius:.3f} deg{below}",
     ]
+    if moon.phase < ECLIPSED and not (scenario.moon is None or scenario.moon.given):
+        lines.append("note              the Moon may be in the Earth's shadow: eclipses are left out")
+    return lines
 
 
 def camera_lines(scenario: Mapping[str, Any]) -> list[str]:

@@ -33,7 +33,9 @@ class Sun(Record):
     """The Sun's position given directly, at 1 au; instead of ``[time]`` and ``[place]``."""
 
     zenith_deg: Annotated[
-        float, Quantity("deg", ge=0, le=180), about("zenith angle of the Sun's centre; above 90 it is below the horizontal: no glint")
+        float,
+        Quantity("deg", ge=0, le=180),
+        about("zenith angle of the Sun's centre; above 90 it is below the horizontal; places nearer to it may still see it"),
     ] = 75.0
     azimuth_deg: Annotated[Azimuth, about("azimuth of the Sun, clockwise from north")] = 180.0
 
@@ -43,7 +45,7 @@ class Moon(Record):
 
     zenith_deg: Annotated[
         Annotated[float, Quantity("deg", ge=0, le=180)] | None,
-        about("zenith angle of the Moon's centre; above 90 it is below the horizontal: no moonlight"),
+        about("zenith angle of the Moon's centre; above 90 it is below the horizontal; places nearer to it may still see it"),
     ] = None
     azimuth_deg: Annotated[Azimuth | None, about("azimuth of the Moon, clockwise from north")] = None
     phase_deg: Annotated[

@@ -25,7 +25,7 @@ from seaglint.base.free_form import Attributes, JsonObject
 from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
 from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import VIEWER, Shadowing
-from seaglint.facet.sea_view import LightDisc, Moonlight, SeaView
+from seaglint.facet.sea_view import LOWER_LIMB, LightDisc, Moonlight, SeaView
 from seaglint.formats.tables.input_tables import COLUMNS, read_track
 from seaglint.formats.tables.spectra import read_response
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager
@@ -289,9 +289,6 @@ def scatters(scenario: Scenario) -> bool:
     return scenario.atmosphere.scattered_sunlight
 
 
-_LOWER_LIMB: Final = math.pi  #: Bright limb of a Moon without a Sun [rad]: the lower one, towards a Sun below the horizon.
-
-
 class Lights(NamedTuple):
     """Sun and Moon over a scene."""
 
@@ -305,7 +302,7 @@ def lights(scenario: Scenario, step: int = 0) -> Lights:
     if moon is None:
         return Lights(sun, None)
     ratio = partial(moon_to_sun, phase=moon.phase, distance_m=moon.distance_m, sun_distance_au=moon.sun_distance_au)
-    limb = _LOWER_LIMB if moon.bright_limb is None else moon.bright_limb
+    limb = LOWER_LIMB if moon.bright_limb is None else moon.bright_limb
     return Lights(sun, Moonlight(moon.zenith, moon.azimuth, LightDisc(moon.radius, ratio, moon.phase, limb)))
 
 
@@ -350,17 +347,8 @@ def article_view(scenario: Scenario, seen: SeaView | None = None) -> SeaView:
     """Return a view, by default the scenario's, in the source article's mode.
 
     This mode has isotropic slopes at the unchanged wind, one blackbody for sea and sky, and one shadowed leg. The water is the scenario's;
-    ``sea.water = "article"`` is the article's. A flat sea remains flat.
-
-    Raises
-    ------
-    ScenarioError
-        A Moon, which this mode does not have.
+    ``sea.water = "article"`` is the article's. A flat sea remains flat. A scenario in this mode has no Moon and no foam.
     """
-    if scenario.moon is not None:
-        raise ScenarioError("mean.mode = 'article' has no Moon; leave out [moon], or set mean.mode = 'spectral'")
-    if scenario.sea.foam is not None:
-        raise ScenarioError("mean.mode = 'article' has no foam; leave out [sea.foam], or set mean.mode = 'spectral'")
     kind = scenario.sea.slopes
     isotropic = (
         flat()

@@ -40,7 +40,7 @@ from seaglint.climate.weather_table import WeatherTable, stand_ins_told
 from seaglint.climate.world_weather import NAME, time_of_year
 from seaglint.facet.foam import FoamCover
 from seaglint.facet.legs import VIEWER, Shadowing
-from seaglint.facet.sea_view import BandSum
+from seaglint.facet.sea_view import LOWER_LIMB, BandSum
 from seaglint.formats.lowtran.deck import MODELS
 from seaglint.formats.weather.weather_cells import read_cells
 from seaglint.formats.weather.weather_file import NORTH_ATLANTIC, read_weather
@@ -176,7 +176,7 @@ class LikelihoodModel:
             return Moons(*(np.asarray(getattr(at, name)) for name in Moons._fields))
         moon = moon_position(self.scenario)
         assert moon is not None
-        limb = math.pi if moon.bright_limb is None else moon.bright_limb
+        limb = LOWER_LIMB if moon.bright_limb is None else moon.bright_limb
         given = (moon.zenith, moon.azimuth, moon.phase, moon.distance_m, limb, moon.sun_distance_au)
         return Moons(*(np.full(count, value) for value in given))
 
@@ -318,8 +318,7 @@ class LikelihoodModel:
                 return cox_munk_isotropic(wind, height=WIND_HEIGHT)
             return slopes(scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": wind, "from_deg": 180.0})}))
 
-        # the article's sea has no foam
-        return seas(slopes_at, self.winds, shadowing, None if article else foam_by_wind(scenario))
+        return seas(slopes_at, self.winds, shadowing, foam_by_wind(scenario))
 
     @cached_property
     def bandwidth(self) -> dict[str, float]:
@@ -381,12 +380,10 @@ def _about_moon(scenario: Scenario) -> list[str]:
     """Return a note where the Moon gives light; settings that know the Sun alone are refused."""
     if scenario.moon is None:
         return []
-    if scenario.mean.mode == "article":
-        require_no_moon(scenario, "mean.mode = 'article'")
     if likelihood_table(scenario).azimuths == "integrated":
         require_no_moon(scenario, "likelihood.azimuths = 'integrated'")
     text = "glint is the Sun's and the Moon's, and clouds count in front of the brighter one; azimuths of looks are from the Sun"
-    return [f"[moon]: {text}, and are drawn, evenly"]
+    return [f"[moon]: {text}, and are drawn, evenly: intervals of rare thresholds are wide"]
 
 
 def _complete(table: WeatherTable, settings: Likelihood) -> tuple[WeatherTable, int]:

@@ -23,7 +23,7 @@ from seaglint.climate.draws import Estimate, SamplingPlan, estimate, strata
 from seaglint.climate.exceeding_azimuths import azimuth_shares
 from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes
 from seaglint.climate.importance import DensityTree, Warped
-from seaglint.climate.likelihood_summary import DrawnWeather, ExceededContrast, LikelihoodSummary, StratumChance, SunUp, ThresholdChance
+from seaglint.climate.likelihood_summary import DrawnWeather, ExceededContrast, LightUp, LikelihoodSummary, StratumChance, ThresholdChance
 from seaglint.climate.mirrored_moonlight import Moons, brighter, moonlit_looks
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.model import Scenario
@@ -62,7 +62,7 @@ class Draws:
     where: Conditions  #: Weather row, time and place.
     weight: FloatArray  #: Weight of each draw [1], 1 on average: low Suns are drawn more often than they occur.
     sight: Looks  #: Results of the looks, with the radiance.
-    illuminated: FloatArray  #: Chance that clouds leave the Sun free [1].
+    illuminated: FloatArray  #: Chance that clouds leave the Sun free, or the brighter one of Sun and Moon [1].
     wind: FloatArray  #: Wind speed [m/s].
     solar_zenith: FloatArray  #: Zenith angle of the Sun [rad].
     azimuth_from_sun: FloatArray  #: Azimuth of the look from the Sun [rad].
@@ -71,6 +71,7 @@ class Draws:
     #: Share of the azimuths [1] that exceed each threshold above 0 [W m-2 sr-1]; empty where azimuths are drawn.
     shares: Mapping[float, FloatArray]
     aim: Aim | None = None  #: Density of the draws; None where they are even.
+    moon_zenith: FloatArray | None = None  #: Zenith angle of the Moon [rad]; None without a Moon.
 
     @property
     def radiance(self) -> FloatArray:
@@ -97,7 +98,15 @@ class GlintLikelihood:
     @property
     def sun_up(self) -> Estimate:
         """Chance that the Sun's centre is above the horizon [1]."""
-        up = (self.draws.solar_zenith < 0.5 * math.pi).astype(np.float64)
+        return self._up(self.draws.solar_zenith)
+
+    @property
+    def moon_up(self) -> Estimate | None:
+        """Chance that the Moon's centre is above the horizon [1]; None without a Moon."""
+        return None if self.draws.moon_zenith is None else self._up(self.draws.moon_zenith)
+
+    def _up(self, zenith: FloatArray) -> Estimate:
+        up = (zenith < 0.5 * math.pi).astype(np.float64)
         return estimate(up, self.draws.plan, weight=self.draws.weight, heaviest=self.draws.heaviest)
 
     def summary(self) -> LikelihoodSummary:
@@ -111,13 +120,13 @@ class GlintLikelihood:
                 ends = [chance.low * rate, chance.high * rate]
                 result = replace(result, false_alarms_per_hour=chance.value * rate, false_alarms_per_hour_interval=ends)
             results.append(result)
-        up = self.sun_up
+        up, moon_up = self.sun_up, self.moon_up
         needed = exceeded_by(self.draws.radiance, self.draws.illuminated, NEEDED_SHARES, self.draws.weight)
         return LikelihoodSummary(
             quantity=settings.quantity,
             case=settings.case,
             results=results,
-            sun_up=SunUp(up.value, [up.low, up.high]),
+            sun_up=LightUp(up.value, [up.low, up.high]),
             sun_free_of_clouds=float(np.average(self.draws.illuminated, weights=self.draws.weight)),
             contrast_exceeded_by_glint=[ExceededContrast(share, float(value)) for share, value in zip(NEEDED_SHARES, needed, strict=True)],
             samples=plan.total,
@@ -131,6 +140,7 @@ class GlintLikelihood:
             ),
             strata=[stratum for of_threshold in self.strata for stratum in of_threshold],
             notes=[*self.model.notes, *self._sampling_notes],
+            moon_up=None if moon_up is None else LightUp(moon_up.value, [moon_up.low, moon_up.high]),
         )
 
     def as_dict(self) -> JsonObject:
@@ -452,6 +462,7 @@ def evaluated(
         solar_azimuth=towards,
         height=height,
         shares=_shares(model, chosen, at, wind.size, settings.threshold_w_m2_sr if levels is None else levels) if integrated else {},
+        moon_zenith=None if moons is None else moons.zenith,
     )
 
 

@@ -329,7 +329,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
         A band outside the tables.
     """
     # Numba comes with these, as above.
-    from seaglint.facet.sea_view import BandSum, LightDisc, Moonlight, SeaView
+    from seaglint.facet.sea_view import LOWER_LIMB, BandSum, LightDisc, Moonlight, SeaView
     from seaglint.facet.surface_spectra import SeaSurface
     from seaglint.radiance.mean_radiance import mean_radiance
     from seaglint.radiance.variance import correlation_length, sea_variance
@@ -377,7 +377,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
                 slopes = slopes_of(kind, speed, float(travel_azimuth(origin)), extrapolate)
                 moon = None
                 if moonlit:
-                    disc = LightDisc(moon_radius(MEAN_MOON_DISTANCE), partial(moon_to_sun, phase=of_moon[2]), of_moon[2], np.pi)
+                    disc = LightDisc(moon_radius(MEAN_MOON_DISTANCE), partial(moon_to_sun, phase=of_moon[2]), of_moon[2], LOWER_LIMB)
                     moon = Moonlight(of_moon[0], of_moon[1], disc)
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith, moon=moon)
                 # What costs most, the table of the sky, is that of the air alone.
