@@ -1,6 +1,6 @@
 """Foam of the sea for kernels: pyramids of shares on the tiles of the waves, read at the places of the waves.
 
-Each tile holds its shares on square cells and the means of 2 x 2, 4 x 4, ... of them (:mod:`seaglint.sea.foam.foam_field`). A place is read
+Each tile holds its shares on square cells and the means of 2 x 2, 4 x 4, ... of them (``seaglint.sea.foam.foam_field``). A place is read
 bilinearly on the two levels whose cells are next to the width that the reading stands for, and linearly between them, so that foam neither
 jumps nor loses its mean where the width grows. Foam of tiles whose waves a level of detail omits is still read, at the same places.
 """

@@ -1,6 +1,6 @@
 r"""Twilight: sunlight that the air above the Earth's shadow scatters once while the Sun is below the horizon.
 
-The sum over the line of sight stays the same as by day (:mod:`seaglint.air.scattering.scattered_line`): each of its places has its own Sun,
+The sum over the line of sight stays the same as by day (``seaglint.air.scattering.scattered_line``): each of its places has its own Sun,
 and receives the share of the disc above its own refracted horizon, through the air along the bent ray that may graze the Earth. From a
 place with the Sun ``delta`` below the horizontal, without refraction, the shadow begins overhead at the height
 

@@ -1,7 +1,7 @@
 """Content of weather files: cells of a CSV file by column, and the rows of a source with counts of what was left out.
 
 Tables that a user makes are refused at their first bad cell; lines of observations are judged by
-:mod:`seaglint.formats.tables.observed_lines`.
+``seaglint.formats.tables.observed_lines``.
 
 Also parsers of what a user states about them: times, and areas as boxes or polygons (text, CSV or GeoJSON).
 """

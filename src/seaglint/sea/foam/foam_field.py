@@ -115,7 +115,7 @@ class _Band:
 
 @dataclass(frozen=True, eq=False)
 class FoamField:
-    """Breaking waves and their foam on the tiles of a sea. Make it with :meth:`create`."""
+    """Breaking waves and their foam on the tiles of a sea. Make it with ``create``."""
 
     waves: WaveField
     crests: BreakingCrests
