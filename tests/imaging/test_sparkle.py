@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+import seaglint as sg
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import njit
 from seaglint.base.keyed_random import SPACING, cell_key, gamma_deviate, last_event, uniform
@@ -350,3 +351,18 @@ def test_survey_of_an_image_is_the_mean_models() -> None:
     relative = np.divide(variance, found.sun**2, out=np.zeros(variance.shape), where=found.sun > 0.0)
     expected = (relative * found.chance**2).sum() / (found.chance**2).sum()
     assert relative_variance(view, camera, 0.0026) == pytest.approx(expected, rel=0.06)
+
+
+@pytest.mark.parametrize("height", [30.0, 300.0])
+@pytest.mark.parametrize("body", ["sun", "moon"])
+@pytest.mark.parametrize("zenith", [89.6, 90.0, 90.2, 90.3, 90.6, 91.0])
+def test_a_disc_cut_by_the_horizon_sparkles_finitely(body, zenith, height):
+    """Along the view to a setting Sun or Moon, cells are stretched by a difference of numbers near 1."""
+    low = {"zenith_deg": zenith, "azimuth_deg": 200.0}
+    bodies = {"sun": low} if body == "sun" else {"sun": {"zenith_deg": 130.0}, "moon": low | {"phase_deg": 20.0}}
+    eye = {"height_m": height, "azimuth_deg": 200.0, "elevation_deg": -0.3, "fov_deg": [0.25, 1.0], "pixels": [4, 32], "frames": 1}
+    sea = {"band": {"min_um": 3.5, "max_um": 5.0}, "wind": {"speed_m_s": 4.0}, "render": {"tile_size": 128}}
+    picture = sg.image(parse_scenario(bodies | {"sensor": eye} | sea), layers=["glint_radiance"])
+    for values in (picture.radiance, picture.glint_radiance):
+        assert np.all(np.isfinite(values))
+        assert np.all(values >= 0.0)

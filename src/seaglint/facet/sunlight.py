@@ -147,9 +147,11 @@ def sunlight_at(sun: Sunlight, away_east: float, away_north: float, arc: float) 
     east, north, up = turned_kernel(sun.east, sun.north, sun.up, (away_east, away_north), turn)
     share = 1.0
     if up < SOLAR_ANGULAR_RADIUS:
-        # raised by so little, the horizontal part keeps its length within 1e-5
         share, lift = visible_part_kernel(up)
-        east, north, up = east * (1.0 - lift * up), north * (1.0 - lift * up), up + lift
+        # of length 1 exactly: towards a low Sun, the angle between sight and Sun follows from a cosine within 1e-6 of 1
+        risen = up + lift
+        longer = math.sqrt((1.0 - risen * risen) / (1.0 - up * up))
+        east, north, up = east * longer, north * longer, risen
     return _directed(sun, (east, north, up), share)
 
 
