@@ -106,6 +106,11 @@ def moon_reflectance(wavenumber_cm: ArrayLike, phase: float) -> FloatArray:
     phase : float
         Phase angle [rad]: 0 at full Moon, pi at new Moon. Observed from 1.55 to 97 degrees: less counts as 1.55, more is extrapolated.
 
+    Returns
+    -------
+    ndarray
+        Reflectance.
+
     Examples
     --------
     >>> [round(float(moon_reflectance(4200.0, math.radians(x))), 3) for x in (7, 30, 90)]
@@ -129,6 +134,11 @@ def moon_emission(wavenumber_cm: ArrayLike, phase: float, sun_distance_au: float
         Phase angle [rad].
     sun_distance_au : float
         Distance of the Moon from the Sun [au].
+
+    Returns
+    -------
+    ndarray
+        Radiance.
     """
     nu = np.atleast_1d(np.asarray(wavenumber_cm, dtype=np.float64))
     cosine, share = _lit_disc(_checked_phase(phase))
@@ -164,6 +174,11 @@ def moon_irradiance(
         Distance of the Moon's centre from the observer [m].
     sun_distance_au : float
         Distance of the Moon from the Sun [au].
+
+    Returns
+    -------
+    ndarray
+        Irradiance.
     """
     nu = np.atleast_1d(np.asarray(wavenumber_cm, dtype=np.float64))
     solid_angle = math.pi * moon_radius(distance_m) ** 2
