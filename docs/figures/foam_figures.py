@@ -37,7 +37,6 @@ SCENE: dict[str, Any] = {
     "wind": {"speed_m_s": 14.0, "from_deg": 330.0},
     "sensor": {"height_m": 20.0, "azimuth_deg": 0.0, "elevation_deg": -9.0, "fov_deg": [24.0, 12.0], "pixels": SIZE},
     "sea": {"shortest_wave_m": 0.25},
-    "render": {"layers": ["foam_share"]},
 }
 INTERVAL, FRAMES = 0.5, 10  # s, of a breaker's life
 CROP = (120, 240)  # rows and columns of it
@@ -56,12 +55,13 @@ class Picture(NamedTuple):
 def pictures(band: tuple[float, float], foam: bool, times: FloatArray, **sensor: Any) -> list[Picture]:
     """Apparent temperature and shares of foam of some instants [s]; ``sensor``: other keys of the sensor."""
     sensor = {**SCENE["sensor"], **sensor}
-    sea = {**SCENE["sea"], **({"foam": {}} if foam else {})}
-    scenario = parse_scenario({**SCENE, "sensor": sensor, "band": {"min_um": band[0], "max_um": band[1]}, "sea": sea})
+    more = {"sea": {**SCENE["sea"], "foam": {}}, "render": {"layers": ["foam_share"]}} if foam else {}
+    scenario = parse_scenario({**SCENE, "sensor": sensor, "band": {"min_um": band[0], "max_um": band[1]}, **more})
     scene, camera = prepare_sequence(scenario).scene, scenario_physics.camera(scenario)
     drawn = [image(scene, scene.pose, time) for time in times.tolist()]
     grid = scene.view.atmosphere.wavenumber_cm
-    return [Picture(apparent_temperature(one.radiance, scene.view.band, grid), one["foam_share"], camera) for one in drawn]
+    share = [one["foam_share"] if foam else np.zeros_like(one.radiance) for one in drawn]
+    return [Picture(apparent_temperature(one.radiance, scene.view.band, grid), f, camera) for one, f in zip(drawn, share, strict=True)]
 
 
 def extent(camera: Camera, rows: slice = slice(None), columns: slice = slice(None)) -> tuple[float, float, float, float]:
