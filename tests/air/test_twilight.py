@@ -138,6 +138,9 @@ def test_tables_are_the_lines(air, height, depression, turn):
         direct = fading(at) * direct
         sums = np.ones(1) if place is None else table.spectral @ weights
         found = scattered_shares(elevation, azimuth, table, place) @ sums
+        if not direct.any():  # a place whose Sun is more than 6 degrees below its horizon
+            assert np.abs(found).max() < 1e-9
+            continue
         bright = direct > 1e-3 * direct.max()
         off = np.abs(found / np.where(bright, direct, 1.0) - 1.0)[bright]
         assert np.median(off) < 0.02
