@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from pictures import save
+from pictures import save_named
 from seaglint.base.conventions import FloatArray, surface_range
 from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.scene import image
@@ -26,8 +25,6 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
-ROOT = Path(__file__).resolve().parents[2]
-IMAGES = ROOT / "docs" / "images"
 BANDS = ((8.0, 12.0), (3.5, 5.0))
 BAR = 10.0  # m
 SIZE = (640, 320)
@@ -141,15 +138,5 @@ def window_sums(values: NDArray[np.float32], rows: int, columns: int) -> FloatAr
 PICTURES: dict[str, Callable[[], Figure]] = {"foam": foam, "foam_life": foam_life}
 
 
-def main(names: list[str]) -> None:
-    """Write those named, or all."""
-    if unknown := set(names) - set(PICTURES):
-        sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(PICTURES)}")
-    for name in names or PICTURES:
-        path = IMAGES / f"{name}.png"
-        save(PICTURES[name](), path)
-        print(path.relative_to(ROOT))
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    save_named(PICTURES, sys.argv[1:])

@@ -16,14 +16,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from pictures import save
+from pictures import save_named
 from seaglint.base.brightness import scale_limits
 from seaglint.base.schema import VARIABLES
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 
 ROOT = Path(__file__).resolve().parents[2]
-IMAGES = ROOT / "docs" / "images"
 SHADOW: dict[str, Any] = {
     "seed": 5,
     "sun": {"zenith_deg": 76.0, "azimuth_deg": 180.0},
@@ -125,15 +124,5 @@ def low_ships() -> Figure:
 PICTURES: dict[str, Callable[[], Figure]] = {"objects_harbour": harbour, "objects_shadow": shadow, "low_ships": low_ships}
 
 
-def main(names: list[str]) -> None:
-    """Write those named, or all."""
-    if unknown := set(names) - set(PICTURES):
-        sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(PICTURES)}")
-    for name in names or PICTURES:
-        path = IMAGES / f"{name}.png"
-        save(PICTURES[name](), path)
-        print(path.relative_to(ROOT))
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    save_named(PICTURES, sys.argv[1:])

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -68,6 +69,17 @@ def save(figure: Figure, path: Path, dpi: float = 110) -> None:
     out = io.BytesIO()
     figure.savefig(out, dpi=dpi, format="png")
     path.write_bytes(encoded(Image.open(out)))
+
+
+def save_named(pictures: Mapping[str, Callable[[], Figure]], names: list[str]) -> None:
+    """Draw the pictures of the documentation that are named, or all, into ``docs/images``."""
+    if unknown := set(names) - set(pictures):
+        sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(pictures)}")
+    root = Path(__file__).resolve().parents[2]
+    for name in names or pictures:
+        path = root / "docs" / "images" / f"{name}.png"
+        save(pictures[name](), path)
+        print(path.relative_to(root))
 
 
 def renew(path: Path) -> None:

@@ -151,6 +151,23 @@ def test_swell_breaks_where_it_goes() -> None:
     assert along.min() > 0.6
 
 
+@pytest.mark.parametrize("towards", [0.4, 2.9])
+def test_aged_foam_drifts_downwind(towards: float) -> None:
+    spectrum = ElfouhailySpectrum(15.0, towards)
+    waves = WaveField.create(spectrum, plan_tiles(spectrum, 4.0, 256), 1)
+    field = FoamField.create(waves, BreakingCrests.create(0.04, 15.0), 15.0, towards, 1)
+    tile, turn = len(waves.tiles) - 1, waves.tiles[-1].rotation
+    n = foam_field.CELLS_PER_POINT * waves.tiles[tile].n
+    before, after = np.zeros((2, n, n), np.float32)
+    for time, cells in ((10.0, before), (13.0, after)):  # the same breakers, which only decay
+        field._add(tile, time, 20, cells, young=False)
+    match = np.fft.ifft2(np.conj(np.fft.fft2(before)) * np.fft.fft2(after)).real
+    v, u = (np.array(np.unravel_index(match.argmax(), match.shape)) + n // 2) % n - n // 2
+    cell, way = waves.tiles[tile].length / n, 3.0 * foam_field.DRIFT * 15.0
+    east, north = cell * (np.cos(turn) * u - np.sin(turn) * v), cell * (np.sin(turn) * u + np.cos(turn) * v)
+    assert (east, north) == pytest.approx((way * np.sin(towards), way * np.cos(towards)), abs=0.75 * cell)
+
+
 def test_foam_of_an_instant_depends_on_nothing_but_the_instant() -> None:
     one, other = breaking(10.0), breaking(10.0)
     for time in (0.0, 30.0, 3.0, -20.0, 1e4):
@@ -181,6 +198,11 @@ def test_holes_keep_the_share() -> None:
             assert found.mean() == pytest.approx(share, abs=0.02 * min(share, 1.0 - share) + 4.0 * found.std() / np.sqrt(found.size / 30.0))
             assert found.min() >= 0.0
             assert found.max() <= 1.0
+    # the holes drift with the water
+    still = foam._replace(drifted=(0.0, 0.0))
+    for r in (1.0, 20.3):
+        moved = foam_surface.with_holes(still._replace(drifted=(0.0, 2.5)), 0.4, (0.0, 1.0), r + 2.5, 0.1)
+        assert moved == pytest.approx(foam_surface.with_holes(still, 0.4, (0.0, 1.0), r, 0.1), abs=1e-9)
     # a small reading is mostly foam or water, a large one the share
     small = np.array([foam_surface.with_holes(foam, 0.4, (0.0, 1.0), r, 0.02) for r in np.linspace(0.0, 60.0, 2000)])
     assert small.std() > 0.35
