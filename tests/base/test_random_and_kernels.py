@@ -12,6 +12,7 @@ from scipy import stats
 
 from seaglint.base.jit import njit, njit_parallel
 from seaglint.base.random import stream
+from seaglint.base.sine import sine
 
 SAMPLE = 20_000
 
@@ -79,3 +80,9 @@ def test_division_by_zero_in_a_kernel_is_ieee() -> None:
     if numba.config.DISABLE_JIT:
         pytest.skip("plain Python raises")
     assert math.isnan(inverse(0.0))
+
+
+@pytest.mark.kernel
+def test_the_quick_sine() -> None:
+    cycles = np.linspace(-3.2, 3.2, 4001)
+    assert [sine(c) for c in cycles] == pytest.approx(np.sin(2.0 * np.pi * cycles), abs=3e-7)

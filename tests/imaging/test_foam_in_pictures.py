@@ -10,10 +10,12 @@ import pytest
 from render_scenes import BAND, SEA_TEMPERATURE, camera, elfouhaily, furnace, sea_view, shown, swept_scene, table_air
 
 from seaglint.facet.foam import FoamCover
+from seaglint.imaging import wave_surface
 from seaglint.imaging.attitude_scene import TurnedScene
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
 from seaglint.imaging.scene import Accuracy, image
+from seaglint.imaging.sweep import walk
 from seaglint.imaging.upright_scene import SweptScene
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.foam_reflectance import BUBBLES
@@ -179,3 +181,28 @@ def test_columns_alone_and_ships() -> None:
     assert np.abs(found[-1]).max() == 0.0
     clear = image(scene, scene.pose, 4.0, scene.sea(scene.pose, 4.0, None))
     assert clear["foam_share"].max() == 0.0
+
+
+def test_foam_of_pieces_is_that_of_single_reads() -> None:
+    """At every level of detail, over all ranges; where nothing is marked, there is no foam."""
+    rng = np.random.default_rng(10)
+    scene = foamy(sea_view(table_air(WIND), SLOPES), camera(30.0, -1.0, -20.0, 12, width=4.0, columns=3))
+    surface = scene.surface(5.0, (300.0, -200.0))
+    foam, count = surface.foam, 400
+    assert 0.05 < foam.marks.mean() < 0.95
+    everywhere = surface._replace(foam=foam._replace(marks=np.ones_like(foam.marks)))
+    omitted = 0
+    for level in range(surface.level.shape[0]):
+        omitted += int((foam.row[level] < 0).sum())
+        for azimuth in rng.uniform(0.0, 2.0 * np.pi, 3):
+            away, wide = (np.sin(azimuth), np.cos(azimuth)), float(np.exp(rng.uniform(-9.0, -4.0)))
+            arcs = np.sort(np.exp(rng.uniform(np.log(30.0), np.log(2e4), count)))
+            line = wave_surface.course(surface, level, *away, (30.0, 2e4))
+            made = walk.new_pieces(3)
+            made.arc[:count] = arcs
+            walk.read_foam(surface, level, line, away, wide, made, count)
+            single = [[wave_surface.foam_share(sea, level, line, away, r, wide * r) for r in arcs] for sea in (surface, everywhere)]
+            assert max(single[0]) > 0.05
+            np.testing.assert_allclose(made.foam[:count], single[0], rtol=1e-9, atol=1e-9)
+            assert single[0] == single[1]
+    assert omitted > 0

@@ -153,12 +153,6 @@ def test_a_line_for_one_arc_is_straight_and_displaced_as_there():
         np.testing.assert_allclose(moved, expected, atol=1e-9)
 
 
-@pytest.mark.kernel
-def test_the_quick_sine():
-    cycles = np.linspace(-3.2, 3.2, 4001)
-    assert [surface_module.sine(c) for c in cycles] == pytest.approx(np.sin(2.0 * np.pi * cycles), abs=3e-7)
-
-
 def test_crests_are_what_the_lattices_of_a_level_can_still_add():
     tiles = _tiles()
     sea = surface_of(tiles, SPACING, TURN, levels=((0, 1), (0,)))

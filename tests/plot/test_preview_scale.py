@@ -73,6 +73,16 @@ def test_the_picture_of_a_night_says_that_the_sky_is_beyond_the_scale():
     assert "beyond" not in draw(as_map(night()), "linear").axes[0].get_title()
 
 
+def test_titles_of_a_high_picture_do_not_cover_each_other():
+    high = as_map(night()[:, :8])
+    high["azimuth"] = np.linspace(179.0, 181.0, 8)
+    figure = draw(high)
+    figure.canvas.draw()
+    one, other = (axes.title.get_window_extent() for axes in figure.axes[:2])
+    assert "horizon dotted" in figure.axes[0].get_title()
+    assert 0.0 < one.x0 < one.x1 < other.x0 < other.x1 < figure.bbox.width
+
+
 def test_the_scale_of_glint_spans_it_whether_it_reaches_the_horizon_or_ends_there():
     """Glint is no sky: neither a corridor over the whole sea nor glint near the horizon alone goes beyond the scale."""
     draws = np.random.default_rng(3).gamma(1.0, 1.0, (ELEVATION.size, 64))

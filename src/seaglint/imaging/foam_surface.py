@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel
-from seaglint.sea.foam.foam_field import FoamTiles
+from seaglint.sea.foam.foam_field import FoamTiles, pyramid_size
 from seaglint.sea.foam.lace import CELL_M, laced
 from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.tiles import Tile, Wander
@@ -24,14 +24,15 @@ from seaglint.sea.tiles import Tile, Wander
 class FoamSurface(NamedTuple):
     """Foam of an instant as kernels read it.
 
-    ``share``: the pyramids of all tiles one after another; ``tile[t] = (address of the pyramid, cells along a side)``; ``grid[t] = (cells
-    per metre, cos, sin of the tile's turn, u, v under the sensor)`` and ``wander[t]`` as in ``Surface``, in cells; ``row[l, t]``: place of
-    the tile among the parts of level l, -1 where the level omits it; ``even``: share everywhere, of a sea without resolved
-    waves; ``ships``: foam of ships, by places east and north, and ``origin``: place under the sensor [m];
-    ``lace``: pattern of holes, empty where foam has none, and ``drifted``: way of the water since the start [m].
+    ``share`` and ``marks``: ``FoamTiles.cells`` and ``.marks``; ``tile[t] = (address of its pyramid, cells along a side, address of its
+    marks)``; ``grid[t] = (cells per metre, cos, sin of the tile's turn, u, v under the sensor)`` and ``wander[t]`` as in ``Surface``, in
+    cells; ``row[l, t]``: place of the tile among the parts of level l, -1 where the level omits it; ``even``: share everywhere, of a sea
+    without resolved waves; ``ships``: foam of ships, by places east and north, and ``origin``: place under the sensor [m]; ``lace``:
+    pattern of holes, empty where foam has none, and ``drifted``: way of the water since the start [m].
     """
 
     share: np.ndarray
+    marks: np.ndarray
     tile: np.ndarray
     grid: np.ndarray
     wander: np.ndarray
@@ -45,9 +46,9 @@ class FoamSurface(NamedTuple):
 
 def even_foam(share: float, origin: tuple[float, float] = (0.0, 0.0), ships: FoamSegments = NO_SEGMENTS) -> FoamSurface:
     """Return a sea with the same share of foam everywhere, and that of ships."""
-    none, numbers = np.zeros((0, 5)), np.zeros((0, 2), np.int64)
-    holes = np.zeros((0, 0), np.float32)
-    return FoamSurface(np.zeros(0, np.float32), numbers, none, np.zeros((0, 0, 5)), numbers, share, origin, ships, holes, (0.0, 0.0))
+    none, numbers = np.zeros((0, 5)), np.zeros((0, 3), np.int64)
+    holes, cells, marks = np.zeros((0, 0), np.float32), np.zeros(0, np.float32), np.zeros(0, np.uint8)
+    return FoamSurface(cells, marks, numbers, none, np.zeros((0, 0, 5)), numbers, share, origin, ships, holes, (0.0, 0.0))
 
 
 NO_FOAM_SURFACE: Final = even_foam(0.0)  #: A sea without foam.
@@ -93,13 +94,13 @@ def foam_surface(
     size = np.array(foam.size, np.int64)
     cell = np.array([tile.length for tile in tiles]) / size
     turn = np.array([tile.rotation for tile in tiles])
-    first = np.concatenate([[0], np.cumsum([pyramid.size for pyramid in foam.share])[:-1]])
+    first, above = (np.cumsum([0, *map(pyramid_size, sizes)])[:-1] for sizes in (foam.size, (n // 2 for n in foam.size)))
     c, s = np.cos(turn), np.sin(turn)
     u, v = (np.mod(p / cell, size) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
     grid: FloatArray = np.stack([1.0 / cell, c, s, u, v], axis=1)
     moved = wander_rows(wander, cell, turn, origin) if wander else np.zeros((len(tiles), 0, 5))
-    places = np.stack([first, size], axis=1).astype(np.int64)
-    return FoamSurface(np.concatenate(foam.share), places, grid, moved, rows, 0.0, origin, ships, foam.lace, foam.drifted)
+    places = np.stack([first, size, above], axis=1).astype(np.int64)
+    return FoamSurface(foam.cells, foam.marks, places, grid, moved, rows, 0.0, origin, ships, foam.lace, foam.drifted)
 
 
 @kernel
@@ -114,22 +115,42 @@ def corners(share: np.ndarray, first: int, size: int, x: float, y: float) -> tup
 
 
 @kernel
-def tile_share(foam: FoamSurface, t: int, u: float, v: float, width: float) -> float:
-    """Return the share of a tile's foam at a place (u, v), a mean over a ``width`` [cells]."""
-    first, size, scale = foam.tile[t, 0], foam.tile[t, 1], 1.0
-    while width >= 2.0 and size > 2:
-        first, size, scale, width = first + size * size, size >> 1, 0.5 * scale, 0.5 * width
+def foam_level(foam: FoamSurface, t: int, width: float) -> tuple[int, int, int, float]:
+    """Return the finer of the two levels for readings of a ``width`` [cells], and the width of its cells over those of the tile.
+
+    These are: its address, the address of the marks of the coarser level, its cells along a side, and the width, a power of two.
+    """
+    first, size, scale, marks = foam.tile[t, 0], foam.tile[t, 1], 1.0, foam.tile[t, 2]
+    while width >= 2.0 * scale and size > 2:
+        first, size, scale = first + size * size, size >> 1, 2.0 * scale
+        marks += size * size
+    return first, marks, size, scale
+
+
+@kernel
+def level_share(foam: FoamSurface, first: int, marks: int, size: int, u: float, v: float, width: float) -> float:
+    """Return the share of foam at a place (u, v) of a level and the next one, a mean over a ``width``, all in cells of the level."""
     # the cells of the next level contain those of this one: where they are water, so is the place
-    a, b, c, d, f, g = corners(foam.share, first + size * size, size >> 1, 0.5 * u * scale - 0.5, 0.5 * v * scale - 0.5)
-    if a + b + c + d == 0.0:
+    half = size >> 1
+    x, y = 0.5 * u - 0.5, 0.5 * v - 0.5
+    lower_x, lower_y = math.floor(x), math.floor(y)
+    if foam.marks[np.uint64(marks + (int(lower_y) & (half - 1)) * half + (int(lower_x) & (half - 1)))] == 0:
         return 0.0
+    a, b, c, d, f, g = corners(foam.share, first + size * size, half, x, y)
     above = a + f * (b - a) + g * (c - a + f * (d - c - b + a))
     part = min(max(width - 1.0, 0.0), 1.0)
     if part == 1.0:
         return above
-    a, b, c, d, f, g = corners(foam.share, first, size, u * scale - 0.5, v * scale - 0.5)
+    a, b, c, d, f, g = corners(foam.share, first, size, u - 0.5, v - 0.5)
     fine = a + f * (b - a) + g * (c - a + f * (d - c - b + a))
     return fine + part * (above - fine)
+
+
+@kernel
+def tile_share(foam: FoamSurface, t: int, u: float, v: float, width: float) -> float:
+    """Return the share of a tile's foam at a place (u, v), a mean over a ``width`` [cells]."""
+    first, marks, size, scale = foam_level(foam, t, width)
+    return level_share(foam, first, marks, size, u / scale, v / scale, width / scale)
 
 
 @kernel

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
+from seaglint.base.sine import sine
 from seaglint.facet.sunlight import Sunlight
 from seaglint.imaging.foam_surface import NO_FOAM_SURFACE, FoamSurface, tile_share, with_holes
 from seaglint.sea.foam.ship_foam import segments_share
@@ -195,14 +196,6 @@ def new_strip() -> Strip:
     return Strip(
         np.empty(STRIP, np.float32), np.empty(STRIP, np.float32), np.empty(STRIP, np.float32), fraction, np.empty(STRIP, np.uint32)
     )
-
-
-@kernel
-def sine(cycles: float) -> float:
-    """Return the sine of an angle in cycles, within 3e-7: a minimax polynomial times its zeros, which vectorises."""
-    x = cycles - math.floor(cycles + 0.5)
-    q = x * x
-    return x * (1.0 - 4.0 * q) * (6.2831842 + q * (-16.2087243 + q * (16.7611333 + q * (-9.5276694 + q * 3.0445527))))
 
 
 @kernel

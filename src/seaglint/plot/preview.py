@@ -6,6 +6,7 @@ Where rows and columns are not lines of equal elevation and azimuth (plane image
 from __future__ import annotations
 
 import json
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -237,13 +238,17 @@ def _sky_beyond(radiance: NDArray[Any], below: FloatArray, scale: Scale) -> bool
     )
 
 
-def _mark_horizon(axes: Axes, below: FloatArray, elevation: FloatArray | None) -> None:
-    """Draw a dotted line at the horizon, which a sky beyond the scale hides, and note it in the title; a grid has rows of one elevation."""
+def _mark_horizon(axes: Axes, below: FloatArray, elevation: FloatArray | None, letters: int) -> None:
+    """Draw a dotted line at the horizon, which a sky beyond the scale hides, and note it in the title, in lines of so many letters.
+
+    A grid has rows of one elevation.
+    """
     if elevation is not None:
         axes.axhline(float(np.mean(elevation + below[:, 0])), color="deepskyblue", linestyle=":", linewidth=1.2)
     else:
         axes.contour(below, levels=[0.0], colors="deepskyblue", linestyles=":", linewidths=1.2)
-    axes.set_title(f"{axes.get_title()}, sky and sea near the horizon beyond the scale, horizon dotted", fontsize=10)
+    title = f"{axes.get_title()}, sky and sea near the horizon beyond the scale, horizon dotted"
+    axes.set_title("\n".join(textwrap.wrap(title, letters)), fontsize=10)
 
 
 def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
@@ -283,7 +288,7 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
             draw_graticule(axes, azimuth, elevation)
     if below is not None and _sky_beyond(radiance, below, chosen):
         for axes in (upper, lower):
-            _mark_horizon(axes, below, elevation if upright else None)
+            _mark_horizon(axes, below, elevation if upright else None, 100 if wide else 55)
     figure.suptitle(_title(dataset, frame), fontsize=11)
     return figure
 

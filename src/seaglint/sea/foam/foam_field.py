@@ -29,6 +29,7 @@ from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import in_threads, kernel, njit
 from seaglint.base.random import stream
+from seaglint.base.sine import sine
 from seaglint.sea.foam.breaking_crests import CREST_SPEED, BreakingCrests
 from seaglint.sea.foam.lace import lace_pattern
 from seaglint.sea.wave_field import WaveField
@@ -91,14 +92,21 @@ class Breakers(NamedTuple):
 class FoamTiles(NamedTuple):
     """Foam of an instant: pyramids of shares, and where to read them.
 
-    ``share[t]``: the cells (n, n) of tile t row by row, followed by the means of 2 x 2, 4 x 4, ... of them up to the whole tile;
-    ``size[t]``: n, a power of two.
+    ``cells``: the pyramids of all tiles one after another, each the cells (n, n) of its tile row by row, followed by the means of 2 x 2,
+    4 x 4, ... of them up to the whole tile; ``marks``: the same without the cells (n, n), 1 where a mean or one of the next in its row,
+    its column and the corner between them has foam, else 0; ``size[t]``: n, a power of two.
     """
 
-    share: tuple[NDArray[np.float32], ...]
+    cells: NDArray[np.float32]
+    marks: NDArray[np.uint8]
     size: tuple[int, ...]
     lace: NDArray[np.float32]  #: Pattern of holes (``seaglint.sea.foam.lace``).
     drifted: tuple[float, float]  #: Way of the water since the start, towards east and north [m].
+
+    @property
+    def share(self) -> tuple[NDArray[np.float32], ...]:
+        """Return the pyramid of each tile."""
+        return tuple(np.split(self.cells, np.cumsum([pyramid_size(n) for n in self.size])[:-1]))
 
 
 @dataclass(frozen=True)
@@ -152,9 +160,18 @@ class FoamField:
 
     def shares(self, time: float) -> FoamTiles:
         """Return the foam of an instant [s]."""
-        out: list[NDArray[np.float32]] = [np.empty(0, np.float32)] * len(self.waves.tiles)
+        size = tuple(CELLS_PER_POINT * tile.n for tile in self.waves.tiles)
+        number, above = [pyramid_size(n) for n in size], [pyramid_size(n // 2) for n in size]
+        out = FoamTiles(
+            np.empty(sum(number), np.float32),
+            np.empty(sum(above), np.uint8),
+            size,
+            lace_pattern(self.seed),
+            (self.drift[0] * time, self.drift[1] * time),
+        )
+        shares, marks = out.share, np.split(out.marks, np.cumsum(above)[:-1])
         step = math.floor(time / AGED_STEP)
-        wanted = [(t, slot) for t in range(len(out)) for slot in self._slots_at(t, (step + 1) * AGED_STEP) if (t, slot) not in self._slots]
+        wanted = [(t, slot) for t in range(len(size)) for slot in self._slots_at(t, (step + 1) * AGED_STEP) if (t, slot) not in self._slots]
 
         def break_waves(part: tuple[int, int]) -> None:
             for t, slot in wanted[part[0] : part[1]]:
@@ -164,14 +181,13 @@ class FoamField:
 
         def draw(part: tuple[int, int]) -> None:
             for t in range(*part):
-                out[t] = self._drawn(t, time, step)
+                self._draw(t, time, step, shares[t], marks[t])
 
-        in_threads(draw, len(out))
+        in_threads(draw, len(size))
         # what is kept does not grow with a sequence
         for key in [key for key in self._slots if key[1] < self._first_slot(key[0], time) - 8]:
             self._slots.pop(key, None)
-        drifted = (self.drift[0] * time, self.drift[1] * time)
-        return FoamTiles(tuple(out), tuple(CELLS_PER_POINT * tile.n for tile in self.waves.tiles), lace_pattern(self.seed), drifted)
+        return out
 
     def _first_slot(self, tile: int, time: float) -> int:
         band = self._bands[tile]
@@ -214,21 +230,19 @@ class FoamField:
         (east, north), turn = self.waves.direction(tile), self.waves.tiles[tile].rotation
         return math.cos(turn) * east + math.sin(turn) * north, math.cos(turn) * north - math.sin(turn) * east
 
-    def _drawn(self, tile: int, time: float, step: int) -> NDArray[np.float32]:
-        """Return the pyramid of a tile at a time [s], in a step of aged foam."""
+    def _draw(self, tile: int, time: float, step: int, out: NDArray[np.float32], marks: NDArray[np.uint8]) -> None:
+        """Draw the pyramid of a tile at a time [s], in a step of aged foam."""
         n = CELLS_PER_POINT * self.waves.tiles[tile].n
-        out = np.zeros(pyramid_size(n), np.float32)
         if self._bands[tile] is None:
-            return out
+            out[:], marks[:] = 0.0, 0
+            return
         before, after = self._aged_at(tile, step)
         base = out[: n * n].reshape(n, n)
-        np.subtract(after, before, out=base)
-        base *= np.float32(time / AGED_STEP - step)
-        base += before
+        between(before, after, np.float32(time / AGED_STEP - step), base)
         self._add(tile, time, step, base, young=True)
         np.minimum(base, np.float32(1.0), out=base)
         build_pyramid(out, n)
-        return out
+        mark_foam(out, n, marks)
 
     def _aged_at(self, tile: int, step: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return the sums of aged foam at the beginning and the end of a step, of the same breakers; the last step of a tile is kept."""
@@ -375,8 +389,8 @@ def draw_breakers(
             continue
         # the crest is bent back at its ends, and ragged along both sides; shears leave its area as it is
         bend = (0.2 + 0.5 * breakers.shape[e, 0]) * most
-        phase, other = 2.0 * math.pi * breakers.shape[e, 1], 2.0 * math.pi * breakers.shape[e, 2]
-        ragged, wave = 0.12 * most, 2.0 * math.pi / max(most, cell)
+        phase, other = breakers.shape[e, 1], breakers.shape[e, 2]
+        ragged, wave = 0.12 * most, 1.0 / max(most, cell)
         if most < cell:  # smaller than two cells: its outline does not show
             bend = ragged = 0.0
         # place that the breaker's origin has drifted to
@@ -384,6 +398,9 @@ def draw_breakers(
         reach, first, last = most + 1.5 * ragged + cell, -2.0 * bend - ragged - cell, front + 1.5 * ragged + cell
         extent_u = (min(first * c, last * c) - reach * abs(s), max(first * c, last * c) + reach * abs(s))
         extent_v = (min(first * s, last * s) - reach * abs(c), max(first * s, last * s) + reach * abs(c))
+        # bounds of a and b before the shears, beyond which nothing is drawn
+        most_b = most + cell + 1.5 * ragged
+        low_a, high_a = -bend * (1.0 + cell / most) ** 2 - 0.5 * ragged - 0.5 * cell, front + 0.5 * ragged + 0.5 * cell
         i0, i1 = math.floor((v0 + extent_v[0]) / cell), math.floor((v0 + extent_v[1]) / cell)
         j0, j1 = math.floor((u0 + extent_u[0]) / cell), math.floor((u0 + extent_u[1]) / cell)
         for i in range(i0, min(i1, i0 + n - 1) + 1):
@@ -391,11 +408,13 @@ def draw_breakers(
             for j in range(j0, min(j1, j0 + n - 1) + 1):
                 du = (j + 0.5) * cell - u0
                 a, b = du * c + dv * s, dv * c - du * s
+                if abs(b) > most_b or a < low_a or a > high_a:
+                    continue
                 if ragged > 0.0:
-                    b += ragged * (math.sin(wave * a + phase) + 0.5 * math.sin(2.7 * wave * a + other))
+                    b += ragged * (sine(wave * a + phase) + 0.5 * sine(2.7 * wave * a + other))
                     if abs(b) > most + cell:
                         continue
-                    a += bend * (b / most) * (b / most) - 0.5 * ragged * math.sin(1.9 * wave * b + other)
+                    a += bend * (b / most) * (b / most) - 0.5 * ragged * sine(1.9 * wave * b + other)
                 # stretch of the path that lies in the cell, and the mean half length of the crest along it
                 low, high = max(a - 0.5 * cell, 0.0), min(a + 0.5 * cell, front)
                 if high <= low:
@@ -410,6 +429,14 @@ def draw_breakers(
 
 
 @njit
+def between(first: np.ndarray, second: np.ndarray, part: np.float32, out: np.ndarray) -> None:
+    """Set ``out`` to ``first`` and a ``part`` of the way to ``second``, in one pass."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = first[i, j] + part * (second[i, j] - first[i, j])
+
+
+@njit
 def build_pyramid(share: np.ndarray, n: int) -> None:
     """Fill the means of 2 x 2 cells, level by level, behind the ``n`` x ``n`` cells of a pyramid."""
     below, size = 0, n
@@ -420,3 +447,18 @@ def build_pyramid(share: np.ndarray, n: int) -> None:
                 first = below + 2 * i * size + 2 * j
                 share[above + i * half + j] = 0.25 * (share[first] + share[first + 1] + share[first + size] + share[first + size + 1])
         below, size = above, half
+
+
+@njit
+def mark_foam(share: np.ndarray, n: int, marks: np.ndarray) -> None:
+    """Mark the means of the pyramid of ``n`` x ``n`` cells with foam, or with foam in the next ones of a periodic tile."""
+    below, size = n * n, n // 2
+    while size > 0:
+        for i in range(size):
+            near, far = below + i * size, below + (i + 1) % size * size
+            at = below - n * n + i * size
+            for j in range(size - 1):
+                marks[at + j] = share[near + j] + share[near + j + 1] + share[far + j] + share[far + j + 1] > 0.0
+            j = size - 1
+            marks[at + j] = share[near + j] + share[near] + share[far + j] + share[far] > 0.0
+        below, size = below + size * size, size // 2
