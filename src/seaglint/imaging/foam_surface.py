@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel
 from seaglint.sea.foam.foam_field import FoamTiles, pyramid_size
-from seaglint.sea.foam.lace import CELL_M, laced
+from seaglint.sea.foam.lace import CELL_M, FADED_M, laced
 from seaglint.sea.foam.ship_foam import NO_SEGMENTS, FoamSegments
 from seaglint.sea.tiles import Tile, Wander
 
@@ -157,14 +157,15 @@ def tile_share(foam: FoamSurface, t: int, u: float, v: float, width: float) -> f
 def with_holes(foam: FoamSurface, share: float, away: tuple[float, float], r: float, width: float) -> float:
     """Return a share of foam with the holes at a place, ``r`` metres from under the sensor along a horizontal unit vector."""
     size = foam.lace.shape[0]
-    if size == 0 or share <= 0.0 or share >= 1.0:
+    if size == 0 or share <= 0.0 or share >= 1.0 or width >= FADED_M:
         return share
     x = (foam.origin[0] + r * away[0] - foam.drifted[0]) * (1.0 / CELL_M)
     y = (foam.origin[1] + r * away[1] - foam.drifted[1]) * (1.0 / CELL_M)
     lower_x, lower_y = math.floor(x), math.floor(y)
     f, g = x - lower_x, y - lower_y
-    i, j = int(lower_x) & (size - 1), int(lower_y) & (size - 1)
-    k, m = (i + 1) & (size - 1), (j + 1) & (size - 1)
+    at, row = int(lower_x) & (size - 1), int(lower_y) & (size - 1)
+    # unsigned: Numba tests every signed address for a negative value
+    i, j, k, m = np.uint64(at), np.uint64(row), np.uint64((at + 1) & (size - 1)), np.uint64((row + 1) & (size - 1))
     near = foam.lace[j, i] + f * (foam.lace[j, k] - foam.lace[j, i])
     far = foam.lace[m, i] + f * (foam.lace[m, k] - foam.lace[m, i])
     return laced(share, near + g * (far - near), width)
