@@ -105,7 +105,7 @@ class FoamTiles(NamedTuple):
 
     @property
     def share(self) -> tuple[NDArray[np.float32], ...]:
-        """Return the pyramid of each tile."""
+        """Return the pyramid of each tile [1]."""
         return tuple(np.split(self.cells, np.cumsum([pyramid_size(n) for n in self.size])[:-1]))
 
 
