@@ -64,7 +64,12 @@ def package(tmp_path: Path) -> Path:
 def start(package: Path, code: str = RUN, **environment: str) -> subprocess.Popen[str]:
     """Run code with the copy, whose own and the user's folders are all that it may write to."""
     kept = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA_", "SEAGLINT_", "COVERAGE_"))}
-    given = {"PYTHONPATH": str(package.parent), "SEAGLINT_CACHE": str(package.parent / "user")} | environment
+    # Python takes a file that changes within a second, to one of the same size, for the compiled one: it keeps whole seconds.
+    given = {
+        "PYTHONPATH": str(package.parent),
+        "SEAGLINT_CACHE": str(package.parent / "user"),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    } | environment
     return subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=kept | given)
 
 
