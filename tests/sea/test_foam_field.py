@@ -120,6 +120,35 @@ def test_area_does_not_depend_on_the_cells(speed: float) -> None:
         assert np.mean([drawn(one, time, cell, n).sum() for one in moved]) * cell**2 == pytest.approx(fine, rel=0.04)
 
 
+@pytest.mark.parametrize("heading", [0.0, 0.8, 2.4, -1.3])
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_the_bend_of_a_crest_leaves_its_area(heading: float, share: float) -> None:
+    """Its ends lag behind the place where it began, which the bounds of the drawing include."""
+    straight = one_breaker(heading=heading)
+    time = share * float(straight.duration[0])
+    areas = []
+    for bent in (-0.4, 0.3, 1.0):  # no bend, and two
+        shape = straight.shape.copy()
+        shape[:, 0] = bent
+        areas.append(drawn(straight._replace(shape=shape), time).sum())
+    assert areas[0] > 50.0
+    assert areas[1:] == pytest.approx(2 * [areas[0]], rel=0.02)
+
+
+@pytest.mark.parametrize("part", [0.1, 0.5, 0.9])
+def test_aged_foam_within_a_step_is_that_drawn_at_the_instant(part: float) -> None:
+    field = breaking(12.0)
+    step = 20
+    time = (step + part) * foam_field.AGED_STEP
+    for tile, pyramid in enumerate(field.shares(time).share):
+        n = foam_field.CELLS_PER_POINT * field.waves.tiles[tile].n
+        whole = np.zeros((n, n), np.float32)
+        for young in (True, False):
+            field._add(tile, time, step, whole, young=young)
+        # in total: edges drift by parts of a cell in between
+        assert float(pyramid[: n * n].sum()) == pytest.approx(float(np.minimum(whole, 1.0).sum()), rel=3e-3)
+
+
 def test_waves_break_where_they_are_steep_and_forwards() -> None:
     field = breaking(12.0)
     for tile in range(len(field.waves.tiles)):
