@@ -125,6 +125,7 @@ def test_area_does_not_depend_on_the_cells(speed: float) -> None:
 def test_the_bend_of_a_crest_leaves_its_area(heading: float, share: float) -> None:
     """Its ends lag behind the place where it began, which the bounds of the drawing include."""
     straight = one_breaker(heading=heading)
+    straight = straight._replace(half=foam_field.GROUP * straight.half)
     time = share * float(straight.duration[0])
     areas = []
     for bent in (-0.4, 0.3, 1.0):  # no bend, and two
