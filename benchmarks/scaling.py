@@ -2,7 +2,7 @@
 
 python benchmarks/scaling.py [PART ...] [--print]
 
-Parts: processes, overhead, startup, memory, records, thousand, files; all of them where none is named. Run it on a quiet machine: the
+Parts: processes, overhead, tiny, startup, memory, records, thousand, files; all of them where none is named. Run it on a quiet machine: the
 load is written beside the numbers.
 """
 
@@ -82,6 +82,22 @@ def overhead() -> Rows:
             wall, done = timed(workers, Job(scaling_jobs.sleeping, 1.0), 8 * count)
             ideal = len(done) / count
             rows.append((name, str(len(done)), f"{wall:.2f} s", f"{100 * (wall / ideal - 1):.1f} %"))
+    return rows
+
+
+def tiny(count: int = 100_000) -> Rows:
+    """Overhead of each of many units that do nothing."""
+    rows: Rows = [("2 workers", "units", "wall time a unit", "processor time a unit in the requesting process")]
+    with contextlib.ExitStack() as stack:
+        local = stack.enter_context(LocalProcesses(2))
+        address = stack.enter_context(scheduler())
+        stack.enter_context(hosts(address, 2, 1, 1))
+        dask = stack.enter_context(connected(address))
+        for name, workers in (("local processes", local), ("Dask", dask)):
+            own = time.process_time()
+            wall, done = timed(workers, Job(scaling_jobs.sleeping, 0.0), count)
+            own = time.process_time() - own
+            rows.append((name, str(len(done)), f"{1000 * wall / len(done):.2f} ms", f"{1000 * own / len(done):.2f} ms"))
     return rows
 
 
@@ -236,6 +252,7 @@ def files() -> Rows:
 PARTS: dict[str, tuple[str, Callable[[], Rows]]] = {
     "processes": ("Local processes, 256 x 128 pixels", processes),
     "overhead": ("Overhead", overhead),
+    "tiny": ("Many tiny units", tiny),
     "startup": ("Start", startup),
     "memory": ("Memory", memory),
     "records": ("Through the scheduler", records),

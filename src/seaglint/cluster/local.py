@@ -11,18 +11,21 @@ import os
 import pickle
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from typing import Any, Final
 
 from seaglint.base.errors import BackendError, DomainError, SeaglintError
+from seaglint.base.reports import REPORTS
 from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, attempt, outgoing
+from seaglint.cluster.overdue import POLL, Limits, Patience, silence
 
 
 class ThisProcess:
@@ -50,19 +53,22 @@ MOST: Final = 1024  #: Largest number of processes.
 
 GRACE: Final = 2.0  #: Time that units in progress have to end after cancellation, before their processes are killed [s].
 
+MESSAGE: Final = 30  #: Time within which a message must be read or written once it has begun [s].
+
 _ONE_THREAD: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 class _LostError(Exception):
-    """Error of a process that has ended."""
+    """Error of a process that has ended, or stopped within a message."""
 
 
 @dataclass(eq=False)
 class _LocalTask:
-    """Unit in progress."""
+    """Unit in progress, in several processes if some are overdue."""
 
     unit: Any
     tried_by: list[int] = field(default_factory=list)  #: Process numbers of its attempts.
+    ended: bool = False  #: Whether its outcome was yielded.
 
 
 class _Worker:
@@ -70,6 +76,8 @@ class _Worker:
 
     def __init__(self, threads: int) -> None:
         ours, theirs = socket.socketpair()
+        for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):  # a process may be frozen within a message
+            ours.setsockopt(socket.SOL_SOCKET, option, struct.pack("ll", MESSAGE, 0))
         with theirs:
             number = theirs.fileno()
             # the worker finds what its parent can import
@@ -89,6 +97,9 @@ class _Worker:
         """Digest of the job that was sent to the process."""
         self.ready = False
         self.task: _LocalTask | None = None
+        self.heard = 0.0
+        """Time of its last answer, or of the request, by the clock of the job [s]."""
+        self.overdue = False
 
     @property
     def number(self) -> int:
@@ -106,7 +117,7 @@ class _Worker:
         Raises
         ------
         _LostError
-            The process has ended.
+            The process has ended, or stopped within the message.
         """
         try:
             message: tuple[Any, ...] = self.pipe.recv()
@@ -118,7 +129,10 @@ class _Worker:
         """Kill the process if it lives, and return the kind of its end as words."""
         self.pipe.close()
         self.process.kill()
-        code = self.process.wait()
+        try:
+            code = self.process.wait(GRACE)
+        except subprocess.TimeoutExpired:  # it waits for a disk that does not answer, and ends when the disk does
+            return "does not end"
         if code >= 0:
             return f"ended with code {code}"
         try:
@@ -137,6 +151,10 @@ class LocalProcesses:
     threads : int, optional
         Threads of the kernels in each; by default the machine's threads, or as many as ``NUMBA_NUM_THREADS`` allows, divided evenly.
         Results do not depend on it.
+    report : callable, optional
+        Function that prints a line for the user; by default the log of seaglint.
+    limits : Limits
+        Times after which a process without an answer is overdue.
 
     Raises
     ------
@@ -144,11 +162,18 @@ class LocalProcesses:
         A count below 1 or above ``MOST``.
     """
 
-    def __init__(self, count: int, *, threads: int | None = None) -> None:
+    def __init__(
+        self,
+        count: int,
+        *,
+        threads: int | None = None,
+        report: Callable[[str], None] = REPORTS.warning,
+        limits: Limits = Limits(),  # noqa: B008 - it is frozen
+    ) -> None:
         if not 1 <= count <= MOST:
             raise DomainError(f"{count} worker processes; give 1 to {MOST}", name="workers", value=count, allowed=(1, MOST))
         self.threads = threads_each(count) if threads is None else threads
-        self._count = count
+        self._count, self._report, self._limits = count, report, limits
         self._workers: list[_Worker] = []
         self._mapping = False
 
@@ -187,20 +212,23 @@ class LocalProcesses:
             raise RuntimeError("these workers are at another job; leave its context first")
         self._mapping = True
         try:
-            yield _LocalMapping(self._workers, self._count, self.threads, job, units).outcomes()
+            yield _LocalMapping(self._workers, self._count, self.threads, Patience(self._limits), self._report, job, units).outcomes()
         finally:
             try:
                 self._settle()
             finally:
-                for worker in [w for w in self._workers if w.task is not None]:
+                for worker in [w for w in self._workers if w.task is not None or w.overdue]:
                     worker.end()
                     self._workers.remove(worker)
+                for worker in self._workers[self._count :]:  # replacements of processes that answered in the end
+                    worker.end()
+                del self._workers[self._count :]
                 self._mapping = False
 
     def _settle(self) -> None:
-        """Wait a limited time for units in progress."""
+        """Wait a limited time for units in progress, not for those of overdue processes."""
         until = time.monotonic() + GRACE
-        while busy := [worker for worker in self._workers if worker.task is not None]:
+        while busy := [worker for worker in self._workers if worker.task is not None and not worker.overdue]:
             ready = wait([worker.pipe for worker in busy], max(until - time.monotonic(), 0.0))
             if not ready:
                 return
@@ -214,8 +242,18 @@ class LocalProcesses:
 class _LocalMapping:
     """Progress of one job over the processes; ``workers`` is the owner's list, which is updated."""
 
-    def __init__(self, workers: list[_Worker], count: int, threads: int, job: Job[Any, Any, Any], units: Iterable[Any]) -> None:
+    def __init__(
+        self,
+        workers: list[_Worker],
+        count: int,
+        threads: int,
+        patience: Patience,
+        report: Callable[[str], None],
+        job: Job[Any, Any, Any],
+        units: Iterable[Any],
+    ) -> None:
         self.workers, self.count, self.threads = workers, count, threads
+        self.patience, self.report = patience, report
         self.content = outgoing((job.start, job.settings))
         self.job = hashlib.blake2b(self.content, digest_size=16).hexdigest()
         self.source = iter(units)
@@ -228,23 +266,29 @@ class _LocalMapping:
         """Yield the outcomes of the units."""
         while True:
             self._take_units()
-            if not self.queue and not self.working:
+            if self.exhausted and not self.queue and all(worker.task is None or worker.task.ended for worker in self.workers):
                 return
             self._start_workers()
             self._hand_out()
-            ready = set(wait([worker.pipe for worker in self.workers]))
+            ready = set(wait([worker.pipe for worker in self.workers], POLL))
+            self.patience.tick()
             for worker in [w for w in self.workers if w.pipe in ready]:
+                if worker not in self.workers:  # ended, as another process has finished its unit
+                    continue
                 try:
                     outcome = self._read(worker, worker.answer())
                 except _LostError:
                     outcome = self._lost(worker)
                 if outcome is not None:
                     yield outcome
+            for worker in [w for w in self.workers if w.pipe not in ready and (w.task is not None or not w.ready)]:
+                if (outcome := self._judge(worker)) is not None:
+                    yield outcome
 
     @property
     def working(self) -> int:
-        """Return the number of units in progress."""
-        return sum(worker.task is not None for worker in self.workers)
+        """Return the number of units in progress, without those of overdue processes."""
+        return sum(worker.task is not None and not worker.overdue for worker in self.workers)
 
     def _take_units(self) -> None:
         """Take a unit for each idle process."""
@@ -253,30 +297,33 @@ class _LocalMapping:
                 self.queue.append(task)
 
     def _start_workers(self) -> None:
-        """Start a process for each unit, and send the job to all of them."""
+        """Start a process for each unit and replacements of overdue ones, and send the job to all of them."""
         for worker in [w for w in self.workers if w.task is None and w.process.poll() is not None]:
             if worker.job != self.job:  # it died between two jobs: no unit is lost, and it does not count as a failed start
                 worker.end()
                 self.workers.remove(worker)
-        while len(self.workers) < min(len(self.queue) + self.working, self.count):
+        overdue = sum(worker.overdue for worker in self.workers)
+        # overdue processes hold memory: a limited number of them is replaced
+        most = self.count + min(overdue, max(self.count, ATTEMPTS - 1))
+        while len(self.workers) < min(len(self.queue) + self.working + overdue, most):
             if self.lost_at_start >= ATTEMPTS and self.workers:
                 break  # more processes failed to start: continue with those that run
             self.workers.append(_Worker(self.threads))
         for worker in self.workers:
             if worker.job != self.job:
-                worker.job, worker.ready = self.job, False
+                worker.job, worker.ready, worker.heard = self.job, False, self.patience.now
                 worker.send("job", self.job, self.content)
 
     def _hand_out(self) -> None:
         """Give each idle process a unit: preferably one that has not failed in this process."""
         for worker in self.workers:
             if worker.ready and worker.task is None and (task := self._task_for(worker)) is not None:
-                worker.task = task
+                worker.task, worker.heard = task, self.patience.now
                 task.tried_by.append(worker.number)
                 worker.send("unit", outgoing(task.unit))
 
     def _task_for(self, worker: _Worker) -> _LocalTask | None:
-        others = [other for other in self.workers if other is not worker]
+        others = [other for other in self.workers if other is not worker and not other.overdue]
         for task in self.queue:
             # a unit that failed in one process goes to another, if there is one
             if worker.number not in task.tried_by or all(other.number in task.tried_by for other in others):
@@ -293,9 +340,11 @@ class _LocalMapping:
 
     def _read(self, worker: _Worker, message: tuple[Any, ...]) -> Done[Any, Any] | Failed[Any] | None:
         """Handle a message of a process; return the outcome in it, if any."""
+        waited, worker.heard, worker.overdue = self.patience.now - worker.heard, self.patience.now, False
         match message:
             case ("ready", job) if job == self.job:
                 worker.ready, self.lost_at_start = True, 0
+                self.patience.add(waited, starting=True)
             case ("refused", job, pickled, line, where) if job == self.job:
                 worker.job = ""
                 self.lost_at_start += 1
@@ -309,32 +358,67 @@ class _LocalMapping:
             case ("outcome", content):
                 task, worker.task = worker.task, None
                 assert task is not None  # only a unit has an outcome
+                if task.ended:  # another process was faster
+                    return None
                 outcome: Done[Any, Any] | Failed[Any] = pickle.loads(content)
-                if isinstance(outcome, Done):
-                    return Done(task.unit, outcome.record, outcome.seconds, outcome.worker)
-                return self._again(task, outcome.error, outcome.traceback)
+                if isinstance(outcome, Failed):
+                    return self._again(task, outcome.error, outcome.traceback)
+                self.patience.add(outcome.seconds)
+                self._end(task)
+                return Done(task.unit, outcome.record, outcome.seconds, outcome.worker)
         return None
 
-    def _lost(self, worker: _Worker) -> Failed[Any] | None:
+    def _end(self, task: _LocalTask) -> None:
+        """Take back a unit that has its outcome: overdue processes that hold it are ended."""
+        task.ended = True
+        if task in self.queue:
+            self.queue.remove(task)
+        for worker in [w for w in self.workers if w.task is task and w.overdue]:
+            worker.end()
+            self.workers.remove(worker)
+
+    def _judge(self, worker: _Worker) -> Failed[Any] | None:
+        """Give the unit of an overdue process to another one; return the outcome of a unit without further attempts."""
+        silent, starting, task = self.patience.now - worker.heard, not worker.ready, worker.task
+        if silent > self.patience.last_limit(starting=starting):
+            return self._lost(worker, f"did not answer for {silent:.0f} s and was ended")
+        if worker.overdue or silent <= self.patience.limit(starting=starting):
+            return None
+        worker.overdue = True
+        if task is None:
+            effect = "another process is started"
+        elif task.ended or task in self.queue or len(task.tried_by) >= ATTEMPTS:
+            effect = "the command waits for it no longer" if task.ended else "its unit has no further attempts"
+        else:
+            self.queue.append(task)
+            effect = "its unit is given to another process"
+        self.report(silence(f"worker process {worker.number}", silent, effect))
+        return None
+
+    def _lost(self, worker: _Worker, how: str = "") -> Failed[Any] | None:
         """Remove a process that has ended, and queue its unit again; return the outcome of a unit without further attempts."""
         self.workers.remove(worker)
-        how = worker.end()
+        end = worker.end()
         if worker.task is not None:
-            return self._again(worker.task, f"worker process {worker.number} {how}", "")
+            return self._again(worker.task, f"worker process {worker.number} {how or end}", "")
         if not worker.ready:
             self.lost_at_start += 1
             if self.lost_at_start >= ATTEMPTS and not self.workers:
                 raise BackendError(
-                    f"{self.lost_at_start} worker processes one after the other ended before they were ready, the last {how}; "
+                    f"{self.lost_at_start} worker processes one after the other ended before they were ready, the last {how or end}; "
                     "try fewer workers if memory is short, or none, and see the lines above"
                 )
         return None
 
     def _again(self, task: _LocalTask, error: str, where: str) -> Failed[Any] | None:
-        """Queue a unit once more, or return it as failed."""
-        if len(task.tried_by) >= ATTEMPTS:
+        """Queue a unit once more, or return it as failed if no process is at it."""
+        if task.ended or task in self.queue:
+            return None
+        if len(task.tried_by) < ATTEMPTS:
+            self.queue.append(task)
+        elif not any(worker.task is task for worker in self.workers):
+            task.ended = True
             return Failed(task.unit, error, where, len(task.tried_by))
-        self.queue.append(task)
         return None
 
 

@@ -276,7 +276,7 @@ def chosen(
     if workers is not None:
         from seaglint.cluster.local import LocalProcesses
 
-        return LocalProcesses(workers, threads=threads)
+        return LocalProcesses(workers, threads=threads, report=log)
     if dask is not None:
         from seaglint.cluster.dask import connected
 
