@@ -15,8 +15,10 @@ import toy_jobs
 
 from seaglint.base.errors import BackendError, DataError, DomainError
 from seaglint.cluster import Done, Failed, Job
-from seaglint.cluster.dask import _DaskMapping, connected, queued, read_settings, usable_workers
+from seaglint.cluster.dask import connected, queued, read_settings, sorted_out
+from seaglint.cluster.dask_progress import DaskMapping
 from seaglint.cluster.job import ATTEMPTS
+from seaglint.cluster.overdue import Limits
 from seaglint.cluster.remote import this_machine
 
 distributed = pytest.importorskip("distributed")
@@ -107,13 +109,13 @@ def test_a_unit_that_kills_its_workers_is_given_up(three, tmp_path):
 
 def test_units_for_many_workers_are_sent_together():
     class Eight:
-        count, sent = 8, []
+        count, idle, limits, sent = 8, True, Limits(), []
 
         def submit(self, units, content):
             self.sent.append(len(units))
-            return [SimpleNamespace(key=unit, add_done_callback=lambda told: None) for unit in units]
+            return [SimpleNamespace(key=unit) for unit in units], frozenset()
 
-    mapping = _DaskMapping(Eight(), b"", range(20))
+    mapping = DaskMapping(Eight(), b"", range(20))
     for finished in (0, 1, 1, 14, 3):
         for key in list(mapping.flight)[:finished]:
             del mapping.flight[key]
@@ -157,14 +159,15 @@ def test_what_is_no_address(address):
 
 def test_workers_of_another_version_or_without_the_package_are_named():
     mine = this_machine()
-    assert usable_workers({"tcp://a:1": mine}, mine) == {"tcp://a:1": mine}
-    with pytest.raises(BackendError, match=r"1 workers have no seaglint.*: tcp://a:1; install"):
-        usable_workers({"tcp://a:1": None}, mine)
-    with pytest.raises(BackendError, match=r"1 workers have seaglint 0.0.9 and not .*: tcp://b:1"):
-        usable_workers({"tcp://a:1": mine, "tcp://b:1": mine._replace(version="0.0.9")}, mine)
-    with pytest.raises(BackendError, match=r"2 workers have other sources of seaglint .*: tcp://a:1, tcp://b:1;"):
-        usable_workers({f"tcp://{name}:1": mine._replace(sources="0") for name in "ab"}, mine)
-    assert usable_workers({"tcp://a:1": OSError("it went")}, mine) == {}
+    old, odd = mine._replace(version="0.0.9"), mine._replace(sources="0")
+    answers = {"tcp://a:1": mine, "tcp://b:1": None, "tcp://c:1": old, "tcp://d:1": odd, "tcp://e:1": odd, "tcp://f:1": OSError("it went")}
+    usable, refused = sorted_out(answers, mine)
+    assert usable == {"tcp://a:1": mine}
+    assert refused.keys() == {f"tcp://{name}:1" for name in "bcde"}
+    assert refused["tcp://b:1"].startswith("1 workers have no seaglint, or one that knows no such work: tcp://b:1; install")
+    assert refused["tcp://c:1"].startswith(f"1 workers have seaglint 0.0.9 and not {mine.version}: tcp://c:1; install")
+    assert refused["tcp://d:1"] == refused["tcp://e:1"]
+    assert refused["tcp://d:1"].startswith(f"2 workers have other sources of seaglint {mine.version}: tcp://d:1, tcp://e:1; install")
 
 
 WORKER = """
@@ -214,10 +217,10 @@ def test_a_scheduler_without_workers_is_told(lone_scheduler):
 
 def test_another_processor_type_is_told(three):
     said = []
-    three._report = said.append
+    three.report = said.append
     odd = this_machine()._replace(processor="x86_64 another")
     three._report_processors({"tcp://a:1": odd, "tcp://b:1": odd, "tcp://c:1": this_machine()})
-    three._report = lambda line: None
+    three.report = lambda line: None
     assert len(said) == 1
     assert said[0].startswith("2 workers (tcp://a:1, tcp://b:1) have another processor type, x86_64 another and not")
 

@@ -1,54 +1,41 @@
 """Workers of a Dask cluster, at the address of a scheduler or from a batch queue (SLURM, PBS and others) by the settings in a file.
 
-Only units and small records are transferred.
+Only units and small records are transferred. Records are published through the scheduler, since a record that is fetched from its worker
+would be lost with a worker that freezes in between. Every request has a time limit.
 """
 
 from __future__ import annotations
 
+import asyncio
+import concurrent.futures
 import logging
-import pickle
 import queue
 import re
 import shutil
 import time
 import tomllib
 import uuid
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from seaglint.base.errors import BackendError, DataError, SeaglintError, one_line
+from seaglint.base.errors import BackendError, DataError, one_line
 from seaglint.base.free_form import TomlTables
 from seaglint.base.optional import optional
-from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
-from seaglint.cluster.remote import Machine, describe, do, packed, this_machine
+from seaglint.base.reports import REPORTS
+from seaglint.cluster.dask_progress import ANSWER, REFRESH, DaskMapping, SchedulerGoneError
+from seaglint.cluster.job import Done, Failed, Job, Record, Settings, Unit
+from seaglint.cluster.overdue import Limits
+from seaglint.cluster.remote import Machine, describe, do, packed, packed_unit, this_machine
 
 CONNECT: Final = 5.0  #: Time within which a scheduler must answer [s].
 
 PATIENCE: Final = 60.0  #: Time without a scheduler or without workers after which a job is abandoned [s].
 
-REFRESH: Final = 2.0  #: Time between two queries of the list of workers [s].
-
-AHEAD: Final = 2  #: Units assigned to each worker in advance: one in progress, and the next.
-
-BATCH: Final = 4  #: Divisor of the batch size: units are sent when a ``BATCH``-th of the workers need one.
-
-TOGETHER: Final = 1e-4  #: Time for each worker in which records are gathered into one request [s]: a request costs as much as many records.
+DESCRIPTION: Final = 10.0  #: Time within which a worker must describe itself [s].
 
 Report = Callable[[str], None]
-
-
-@dataclass(eq=False)
-class _DaskTask:
-    unit: Any
-    attempts: int = 0
-
-
-class _SchedulerGoneError(Exception):
-    """The connection to the scheduler is lost."""
 
 
 class DaskWorkers:
@@ -59,26 +46,51 @@ class DaskWorkers:
     connect : callable
         Function that returns a client; called again after a loss of the scheduler.
     report : callable
-        Called with messages for the user, a line at a time.
+        Called with messages for the user, a line at a time; by default the log of seaglint.
     patience : float
         Longest time without the scheduler or without workers [s].
+    limits : Limits
+        Times after which a worker without an answer is overdue.
     """
 
     task = staticmethod(do)
 
-    def __init__(self, connect: Callable[[], Any], report: Report = lambda line: None, patience: float = PATIENCE) -> None:
-        self._connect, self._report, self.patience = connect, report, patience
-        self._client = connect()
+    def __init__(
+        self,
+        connect: Callable[[], Any],
+        report: Report = REPORTS.warning,
+        patience: float = PATIENCE,
+        limits: Limits = Limits(),  # noqa: B008 - it is frozen
+    ) -> None:
+        self._connect, self.report, self.patience, self.limits = connect, report, patience, limits
+        self.inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        """Messages of the workers: time, and key of the task, address of the worker, content."""
+        self.silent: set[str] = set()
+        """Addresses of overdue workers."""
+        self._topic = f"seaglint-{uuid.uuid4().hex}"
         self._known: dict[str, Machine] = {}
+        self._refused: dict[str, str] = {}
+        """Reasons by the addresses of workers that cannot be used."""
+        self._described: dict[str, concurrent.futures.Future[dict[str, Any]]] = {}
+        """Requests for descriptions that are not answered yet."""
+        self._pauses: dict[str, tuple[float, float]] = {}
+        """Pauses after requests without an answer, by address: end and length [s]."""
+        self._unreported: list[str] = []
         self._present: tuple[str, ...] = ()
         self._looked = -REFRESH
+        self._mapping = False
+        self._open()
+
+    def _open(self) -> None:
+        self._client = self._connect()
+        self._client.subscribe_topic(self._topic, self.inbox.put)
 
     @property
     def count(self) -> int:
-        """Return the number of worker processes."""
-        with suppress(_SchedulerGoneError):  # the last known number; mapping raises the error
+        """Return the number of worker processes that can be used and are not overdue."""
+        with suppress(SchedulerGoneError):  # the last known number; mapping raises the error
             self.look()
-        return max(len(self._present), 1)
+        return max(len(self._usable()), 1)
 
     @property
     def seen(self) -> bool:
@@ -86,16 +98,18 @@ class DaskWorkers:
         return bool(self._present)
 
     def wait_for_one(self) -> None:
-        """Wait for the first worker.
+        """Wait for the first worker that can be used, and a limited time for the others that are connected.
 
         Raises
         ------
         BackendError
-            No worker in time, or a worker that cannot be used.
+            No worker in time, or none that can be used.
         """
-        until = time.monotonic() + self.patience
-        while not self.look(at_once=True):
-            if time.monotonic() > until:
+        began = time.monotonic()
+        while not self.look(at_once=True) or (self._described and time.monotonic() - began < DESCRIPTION):
+            if self._refused and not self._described and len(self._refused) == len(self._present):
+                raise BackendError("; ".join(dict.fromkeys(self._refused.values())))
+            if time.monotonic() - began > self.patience:
                 raise BackendError(f"no worker came within {self.patience:g} s; start some, or see whether the queue is full")
             time.sleep(0.2)
 
@@ -113,40 +127,74 @@ class DaskWorkers:
         Raises
         ------
         BackendError
-            The scheduler or all workers are lost for too long, or a worker cannot be used.
+            The scheduler or all workers are lost for too long.
         Exception
             Error of the job's start on a worker.
         """
-        mapping = _DaskMapping(self, packed(job), units)
+        if self._mapping:
+            raise RuntimeError("these workers are at another job; leave its context first")
+        self._mapping = True
+        for address in self.silent:  # one that describes itself again is used again
+            self._known.pop(address, None)
+        self.silent.clear()
+        mapping = DaskMapping(self, packed(job), units)
         try:
             yield mapping.outcomes()
         finally:
             mapping.cancel()
+            self._mapping = False
 
     def look(self, *, at_once: bool = False) -> tuple[str, ...]:
-        """Return the addresses of the workers; new ones are queried for their version and processor."""
+        """Return the addresses of the workers that can be used; new ones are queried for their version and processor."""
         if at_once or time.monotonic() - self._looked >= REFRESH:
-            try:
-                self._present = tuple(self._client.nthreads())
-                new = [address for address in self._present if address not in self._known]
-                answers = self._client.run(describe, workers=new, on_error="return") if new else {}
-            except Exception as error:
-                raise _SchedulerGoneError(one_line(error)) from error
-            machines = usable_workers(answers, this_machine())
-            self._report_processors(machines)
-            self._known |= machines
-            self._looked = time.monotonic()
-        return self._present
+            self._present = tuple(self._ask(self._client.nthreads))
+            now = self._looked = time.monotonic()
+            for states in (self._known, self._refused, self._pauses):
+                for address in states.keys() - set(self._present):  # another worker may have its address later
+                    del states[address]
+            for address in set(self._present) - self._known.keys() - self._refused.keys() - self._described.keys():
+                if now < self._pauses.get(address, (0.0, 0.0))[0]:
+                    continue
+                request = self._client.run(describe, workers=[address], on_error="return", asynchronous=True, callback_timeout=DESCRIPTION)
+                self._described[address] = asyncio.run_coroutine_threadsafe(request, self._client.loop.asyncio_loop)
+        if any(request.done() for request in self._described.values()):
+            self._read_descriptions()
+        return tuple(address for address in self._present if address in self._known)
+
+    def _read_descriptions(self) -> None:
+        """Sort the workers that have described themselves; report those that are left out while others can be used."""
+        answers: dict[str, Any] = {}
+        for address, request in list(self._described.items()):
+            if request.done():
+                del self._described[address]
+                if request.exception() is None:
+                    answers |= request.result()
+                else:  # a request to a frozen worker remains in the scheduler: the next one is later
+                    pause = 2 * self._pauses.get(address, (0.0, 0.5 * DESCRIPTION))[1]
+                    self._pauses[address] = (time.monotonic() + pause, pause)
+        usable, refused = sorted_out(answers, this_machine())
+        self._report_processors(usable)
+        self._known |= usable
+        self._refused |= refused
+        self._unreported += dict.fromkeys(refused.values())
+        if self._known:
+            for line in self._unreported:
+                self.report(f"{line}; until then the other workers do the work")
+            self._unreported.clear()
 
     def _report_processors(self, new: dict[str, Machine]) -> None:
         """Report once each processor type that differs from this machine's."""
         reported = {this_machine().processor} | {machine.processor for machine in self._known.values()}
         for processor in sorted({machine.processor for machine in new.values()} - reported):
             some = [address for address, machine in new.items() if machine.processor == processor]
-            self._report(
+            self.report(
                 f"{len(some)} workers ({_some(some)}) have another processor type, {processor} and not {this_machine().processor}: "
                 "the last bits of their frames can differ"
             )
+
+    def _usable(self) -> frozenset[str]:
+        """Return the addresses of the workers that units can be given to."""
+        return frozenset(address for address in self._present if address in self._known and address not in self.silent)
 
     def reconnect(self) -> None:
         """Wait until the scheduler answers again.
@@ -157,11 +205,11 @@ class DaskWorkers:
             It does not answer in time.
         """
         self.close()
-        self._report(f"the Dask scheduler is lost; it may come back within {self.patience:g} s")
+        self.report(f"the Dask scheduler is lost; it may come back within {self.patience:g} s")
         until = time.monotonic() + self.patience
         while True:
             try:
-                self._client = self._connect()
+                self._open()
             except BackendError as error:
                 if time.monotonic() > until:
                     raise BackendError(
@@ -171,24 +219,39 @@ class DaskWorkers:
                 time.sleep(0.5)
             else:
                 # workers may be others now: all are queried again
-                self._known.clear()
+                for states in (self._known, self._refused, self._described, self._pauses):
+                    states.clear()
+                self.silent.clear()
                 self._looked = -REFRESH
                 return
 
-    def submit(self, units: list[bytes], content: bytes) -> list[Any]:
-        """Return futures of ``seaglint.cluster.remote.do``, sent together: one by one they cost several times as much."""
-        keys = [f"seaglint-{uuid.uuid4().hex}" for _ in units]
-        try:
-            return list(self._client.map(self.task, units, content=content, pure=False, retries=0, key=keys))
-        except Exception as error:
-            raise _SchedulerGoneError(one_line(error)) from error
+    def submit(self, units: list[Any], content: bytes) -> tuple[list[Any], frozenset[str]]:
+        """Return futures of ``seaglint.cluster.remote.do`` and the workers that may do them (empty for all).
 
-    def gather(self, futures: list[Any]) -> list[bytes]:
-        """Return the results of finished futures, in one request."""
+        Units are sent together: one by one they cost several times as much. No unit is given to an overdue worker or to one that cannot be
+        used; a scheduler would take them for idle.
+        """
+        usable = self._usable()
+        allowed = frozenset[str]() if len(usable) == len(self._present) else usable
+        keys = [f"seaglint-{uuid.uuid4().hex}" for _ in units]
+        packs = [packed_unit(key, unit) for key, unit in zip(keys, units, strict=True)]
+        options = {"content": content, "topic": self._topic, "pure": False, "retries": 0, "key": keys, "workers": sorted(allowed) or None}
         try:
-            return list(self._client.gather(futures))
+            return list(self._client.map(self.task, packs, **options)), allowed
         except Exception as error:
-            raise _SchedulerGoneError(one_line(error)) from error
+            raise SchedulerGoneError(one_line(error)) from error
+
+    def processing(self) -> dict[str, list[str]]:
+        """Return the keys of the tasks that the scheduler has given to each worker."""
+        found: dict[str, list[str]] = self._ask(self._client.sync, self._client.scheduler.processing, workers=None)
+        return found
+
+    def _ask(self, call: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
+        """Return the scheduler's answer to a request."""
+        try:
+            return call(*arguments, callback_timeout=min(ANSWER, self.patience), **options)
+        except Exception as error:
+            raise SchedulerGoneError(one_line(error)) from error
 
     def cancel(self, futures: list[Any]) -> None:
         """Cancel futures that have not begun."""
@@ -201,170 +264,31 @@ class DaskWorkers:
         """Return True while the scheduler is connected."""
         return bool(self._client.status == "running")
 
+    @property
+    def idle(self) -> bool:
+        """Return True if a unit can be given to a worker."""
+        return bool(self._usable())
 
-class _DaskMapping:
-    """Progress of one job over the Dask workers."""
 
-    def __init__(self, workers: DaskWorkers, content: bytes, units: Iterable[Any]) -> None:
-        self.workers, self.content, self.source = workers, content, iter(units)
-        self.again: deque[_DaskTask] = deque()
-        self.flight: dict[str, tuple[Any, _DaskTask]] = {}
-        """Futures and their units, by the futures' keys."""
-        self.ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        self.losses = 0
-        """Number of consecutive losses of the scheduler with nothing done in between."""
-
-    def outcomes(self) -> Iterator[Done[Any, Any] | Failed[Any]]:
-        """Yield the outcomes of the units."""
-        last_seen = time.monotonic()
-        while True:
-            try:
-                if not self._fill():
-                    return
-                ended = self._wait()
-                if self.workers.look():
-                    last_seen = time.monotonic()
-                elif time.monotonic() - last_seen > self.workers.patience:
-                    raise BackendError(
-                        f"no worker was left for {self.workers.patience:g} s; finished units remain: start some, "
-                        "and continue with resume=True"
-                    )
-                for outcome in self._read(ended):
-                    self.losses = 0
-                    yield outcome
-            except _SchedulerGoneError as error:
-                self._lost(error)
-                last_seen = time.monotonic()
-
-    def cancel(self) -> None:
-        """Cancel all unfinished units."""
-        futures, self.flight = [future for future, _ in self.flight.values()], {}
-        self.workers.cancel(futures)
-
-    def _fill(self) -> bool:
-        """Submit units until enough are on their way; return False when nothing is left."""
-        tasks: list[_DaskTask] = []
-        count = self.workers.count
-        room = AHEAD * count - len(self.flight)
-        if room < count // BATCH:  # a call costs more than its units, and workers still have a unit in advance
-            return True
-        for _ in range(room):
-            task = self.again.popleft() if self.again else next((_DaskTask(unit) for unit in self.source), None)
-            if task is None:
-                break
-            tasks.append(task)
-        try:
-            futures = self.workers.submit([outgoing(task.unit) for task in tasks], self.content) if tasks else []
-        except _SchedulerGoneError:
-            self.again.extendleft(reversed(tasks))
-            raise
-        for future, task in zip(futures, tasks, strict=True):
-            self.flight[future.key] = (future, task)
-            future.add_done_callback(self.ended.put)
-        return bool(self.flight)
-
-    def _wait(self) -> list[Any]:
-        """Return the futures that ended; none after a time-out."""
-        ended = []
-        with suppress(queue.Empty):
-            ended.append(self.ended.get(timeout=0.5))
-            # a short wait gathers the records of many workers in one request
-            time.sleep(min(TOGETHER * self.workers.count, 0.05))
-            while True:
-                ended.append(self.ended.get_nowait())
-        if not self.workers.connected:
-            raise _SchedulerGoneError("the connection is closed")
-        return [future for future in ended if future.key in self.flight]
-
-    def _read(self, ended: list[Any]) -> Iterator[Done[Any, Any] | Failed[Any]]:
-        """Yield the outcomes of futures that ended; units to be tried again are queued."""
-        # the scheduler came back without its tasks
-        if any(future.status in ("cancelled", "lost") for future in ended):
-            raise _SchedulerGoneError("tasks are lost")
-        whole = [future for future in ended if future.status == "finished"]
-        for future, content in zip(whole, self.workers.gather(whole) if whole else [], strict=True):
-            _, task = self.flight.pop(future.key)
-            outcome = pickle.loads(content)
-            # an error of the job's start may be a fault of one worker, and is tried again, unless the user must correct it
-            if isinstance(outcome, Exception):
-                if isinstance(outcome, SeaglintError) or task.attempts + 1 >= ATTEMPTS:
-                    raise outcome
-                list(self._retry(task, 1, "", ""))
-            elif isinstance(outcome, Done):
-                yield Done(task.unit, outcome.record, outcome.seconds, outcome.worker)
-            else:
-                yield from self._retry(task, 1, outcome.error, outcome.traceback)
-        for future in ended:
-            if future.status == "error":
-                _, task = self.flight.pop(future.key)
-                yield from self._retry(task, *_attempts_and_reason(future.exception()), "")
-
-    def _retry(self, task: _DaskTask, attempts: int, error: str, where: str) -> Iterator[Failed[Any]]:
-        """Queue a unit once more, or yield it as failed."""
-        task.attempts += attempts
-        if task.attempts >= ATTEMPTS:
-            yield Failed(task.unit, error, where, task.attempts)
+def sorted_out(answers: dict[str, Any], mine: Machine) -> tuple[dict[str, Machine], dict[str, str]]:
+    """Return the usable workers by their descriptions, and the reasons why others are not usable; errors are neither."""
+    usable: dict[str, Machine] = {}
+    groups: dict[str, list[str]] = {}
+    for address, answer in answers.items():
+        if isinstance(answer, BaseException):  # it is queried again later
+            continue
+        machine = None if answer is None else Machine(*answer)
+        if machine is None:
+            fault = "have no seaglint, or one that knows no such work: {}; install " + f"{mine.version} there"
+        elif machine.version != mine.version:
+            fault = f"have seaglint {machine.version} and not {mine.version}: {{}}; install {mine.version} there"
+        elif machine.sources != mine.sources:
+            fault = f"have other sources of seaglint {mine.version}: {{}}; install the same ones there, and start the workers again"
         else:
-            self.again.append(task)
-
-    def _lost(self, error: _SchedulerGoneError) -> None:
-        """Wait for the scheduler and queue the units in flight again, without counting an attempt."""
-        self.losses += 1
-        if self.losses > ATTEMPTS:
-            raise BackendError(
-                f"the Dask scheduler was lost {self.losses} times with nothing done in between ({error}); finished units remain: "
-                "find out why it ends, and continue with resume=True"
-            ) from error
-        self.again.extend(task for _, task in self.flight.values())
-        self.flight = {}
-        self.workers.reconnect()
-
-
-def _attempts_and_reason(error: BaseException) -> tuple[int, str]:
-    """Return the number of attempts that an error of Dask itself counts for, and its text.
-
-    Raises
-    ------
-    BackendError
-        The worker lacks the package.
-    """
-    from distributed.scheduler import KilledWorker
-
-    if isinstance(error, KilledWorker):
-        died = error.allowed_failures + 1
-        return died, f"{died} worker{'s' if died > 1 else ''} died at it, the last {error.last_worker.address}"
-    if isinstance(error, ImportError):
-        raise BackendError(f"a worker cannot import the work: {one_line(error)}; install seaglint and its extras there as here") from error
-    return 1, one_line(error)
-
-
-def usable_workers(answers: dict[str, Any], mine: Machine) -> dict[str, Machine]:
-    """Return the usable workers by their descriptions; workers that answered with an error are queried again later.
-
-    Raises
-    ------
-    BackendError
-        Workers without the package, or with another version of it.
-    """
-    good = {address: Machine(*details) for address, details in answers.items() if isinstance(details, tuple)}
-    without = [address for address, details in answers.items() if details is None]
-    if without:
-        raise BackendError(
-            f"{len(without)} workers have no seaglint, or one that knows no such work: {_some(without)}; install {mine.version} there"
-        )
-    others = {address: m for address, m in good.items() if m.version != mine.version}
-    if others:
-        versions = ", ".join(sorted({m.version for m in others.values()}))
-        raise BackendError(
-            f"{len(others)} workers have seaglint {versions} and not {mine.version}: {_some(list(others))}; install {mine.version} there"
-        )
-    changed = [address for address, m in good.items() if m.sources != mine.sources]
-    if changed:
-        raise BackendError(
-            f"{len(changed)} workers have other sources of seaglint {mine.version}: {_some(changed)}; install the same ones there, "
-            "and start the workers again"
-        )
-    return good
+            usable[address] = machine
+            continue
+        groups.setdefault(fault, []).append(address)
+    return usable, {address: f"{len(some)} workers {fault.format(_some(some))}" for fault, some in groups.items() for address in some}
 
 
 def _some(addresses: list[str]) -> str:
@@ -417,7 +341,13 @@ def require_dask() -> None:
 
 
 @contextmanager
-def connected(address: str, report: Report = lambda line: None, *, patience: float = PATIENCE) -> Iterator[DaskWorkers]:
+def connected(
+    address: str,
+    report: Report = REPORTS.warning,
+    *,
+    patience: float = PATIENCE,
+    limits: Limits = Limits(),  # noqa: B008 - it is frozen
+) -> Iterator[DaskWorkers]:
     """Provide the workers of the scheduler at an address.
 
     Raises
@@ -425,17 +355,17 @@ def connected(address: str, report: Report = lambda line: None, *, patience: flo
     DataError
         A text that is no address.
     BackendError
-        No scheduler, no worker, or a worker of another version.
+        No scheduler, no worker, or none of this version.
     """
     require_dask()
     if not re.fullmatch(r"((tcp|tls|ws|wss|inproc)://)?[^/\s]+:\d+|inproc://\S+", address):
         raise DataError(f"address = {address!r} is no address of a Dask scheduler; give one such as tcp://host:8786")
     with quiet():
-        workers = DaskWorkers(lambda: client_of(address, f"Dask scheduler {address}"), report, patience)
+        workers = DaskWorkers(lambda: client_of(address, f"Dask scheduler {address}"), report, patience, limits)
         try:
             workers.wait_for_one()
             yield workers
-        except _SchedulerGoneError as error:
+        except SchedulerGoneError as error:
             raise BackendError(f"Dask scheduler {address}: it does not answer ({error}); see its log") from error
         finally:
             workers.close()
@@ -480,7 +410,7 @@ def read_settings(path: Path) -> tuple[str, int, float, TomlTables]:
 
 
 @contextmanager
-def queued(path: Path, report: Report = lambda line: None) -> Iterator[DaskWorkers]:
+def queued(path: Path, report: Report = REPORTS.warning) -> Iterator[DaskWorkers]:
     """Provide workers of the batch queue that a file describes; their jobs end with the context.
 
     Raises
@@ -511,7 +441,8 @@ def queued(path: Path, report: Report = lambda line: None) -> Iterator[DaskWorke
             finally:
                 workers.close()
         finally:
-            cluster.close(timeout=10)
+            with suppress(TimeoutError):  # jobs that the queue does not end: their scheduler is gone, and they end by themselves
+                cluster.close(timeout=10)
 
 
 def _first(workers: DaskWorkers, path: Path, jobs: int, timeout: float) -> None:
