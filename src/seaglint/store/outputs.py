@@ -74,9 +74,15 @@ def library_errors(what: str, remedy: str, kind: type[SeaglintError] = DataError
         raise kind(f"{what} ({reason_of(error)}); {remedy}") from error
 
 
-def _sentence(error: OSError, remedy: str) -> str:
+def is_full(error: BaseException) -> bool:
+    """Return true for an error that was caused by missing room: a full disk, a quota or a limit of file sizes."""
+    system = _system_error(error)
     # NumPy's tofile reports that fewer numbers were written and not the reason; a full disk is the only common one.
-    if error.errno in _FULL or (error.errno is None and "requested and" in str(error)):
+    return system is not None and (system.errno in _FULL or (system.errno is None and "requested and" in str(system)))
+
+
+def _sentence(error: OSError, remedy: str) -> str:
+    if is_full(error):
         return f"no room left (disk full, or over the quota or file size limit); {remedy}"
     if error.errno in _DENIED:
         return f"no right to write there; {remedy}"
