@@ -114,7 +114,7 @@ def write_sequence(
     if not _stands(place, layout, resume=continued, overwrite=overwrite):
         with ExitStack() as claims:
             with storage_errors(place.work, remedy):
-                claim = claims.enter_context(place.claim(share))
+                claim: Any = claims.enter_context(place.claim(share))
             # Another process may have finished between the first look and the claim.
             if not _stands(place, layout, resume=continued, overwrite=overwrite):
                 _require_free(place, resume=continued, overwrite=overwrite)
@@ -171,6 +171,7 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
     if not place.begun():
         raise DataError(f"{place.work}: no such unfinished sequence; render it first, whole or in shares")
     remedy = f"what is done stays in {place.work}: make room and finish again"
+    claim: Any
     with storage_errors(place.work, remedy), place.claim() as claim, place.staging(claim) as stage:
         if place.taken():
             return False

@@ -81,6 +81,23 @@ def remove_folder(folder: Path, keep: Callable[[Path], None] = lambda folder: No
             shutil.rmtree(gone, ignore_errors=True)
 
 
+def make_below(folder: Path, name: str) -> None:
+    """Make the folders of a path below a folder that exists; unlike ``mkdir(parents=True)`` never that folder itself."""
+    for part in Path(name).parts:
+        folder /= part
+        folder.mkdir(exist_ok=True)
+
+
+def copy_folder(source: Path, target: Path) -> None:
+    """Copy a folder with its files; the folder above ``target`` exists, and is not made anew where it is removed meanwhile."""
+    target.mkdir()
+    for entry in sorted(source.iterdir()):
+        if entry.is_dir():
+            copy_folder(entry, target / entry.name)
+        else:
+            shutil.copyfile(entry, target / entry.name)
+
+
 def move(source: Path, target: Path) -> None:
     """Move a file or folder; it replaces a file, and the files of a folder replace those of the same names."""
     try:
