@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import secrets
 import signal
 import tempfile
 import threading
@@ -213,8 +214,12 @@ def refuse_inputs(output: Path, inputs: Iterable[str | Path]) -> None:
 
 
 @contextmanager
-def moved_when_whole(output: Path, remedy: str = "make room or choose another place; nothing was written") -> Iterator[Path]:
+def moved_when_whole(
+    output: Path, remedy: str = "make room or choose another place; nothing was written", *, several: bool = False
+) -> Iterator[Path]:
     """Provide a temporary name, ``output`` with ``.partial`` added; it replaces ``output`` on success and is removed otherwise.
+
+    With ``several``, processes may write the same content at the same time: each has a random text in its temporary name.
 
     Raises
     ------
@@ -223,7 +228,7 @@ def moved_when_whole(output: Path, remedy: str = "make room or choose another pl
     StorageError
         No room or no rights; it ends with ``remedy``.
     """
-    partial = output.with_name(output.name + ".partial")
+    partial = output.with_name(f"{output.name}.{secrets.token_hex(8)}.partial" if several else f"{output.name}.partial")
     with storage_errors(output, remedy):
         for path in (output, partial):
             _require_replaceable(path)
