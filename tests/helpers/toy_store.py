@@ -54,6 +54,15 @@ def slowly(number: int) -> dict[str, np.ndarray]:
     return frame(number)
 
 
+def other_frame(number: int) -> dict[str, np.ndarray]:
+    """Frames of another sea."""
+    return {name: values + np.float32(1.0) for name, values in frame(number).items()}
+
+
+def prepared_other(_: None) -> tuple[Layout, Frame]:
+    return layout('{"sea": {"wind": {"speed_m_s": 9.0}}}'), other_frame
+
+
 def many() -> Layout:
     """300 frames in shards of three."""
     return replace(layout(), frames=range(300), frames_per_unit=3)

@@ -26,6 +26,7 @@ from toy_store import COLUMNS, ROWS, frame, layout, pixels
 from seaglint.base.errors import BackendError, DataError, StorageError
 from seaglint.base.machine import processor
 from seaglint.cluster import LocalProcesses
+from seaglint.store.location import place_of
 from seaglint.store.missing_frames import UnitTask, unit_maker
 from seaglint.store.sequence_store import Interrupted, finish_sequence, open_sequence, partial_path, write_sequence
 from seaglint.store.shards import Shards, UnitFailure
@@ -302,7 +303,7 @@ def test_another_version_is_refused_and_another_processor_told(output, monkeypat
 
 def test_an_orphan_of_a_killed_run_writes_no_more(output):
     write_sequence(output, layout(), frame, share=Share(0, 2))
-    with exclusive(partial_path(output)) as claim:
+    with exclusive(partial_path(output)) as claim, place_of(output).staging(claim):
         task = UnitTask(str(output), str(claim.folder), claim.token)
         make = unit_maker(task, layout(), frame)
         make(1)

@@ -319,7 +319,7 @@ def test_a_signal_does_not_wait_for_workers(tmp_path: Path, monkeypatch: pytest.
         @contextmanager
         def map(self, job: Any, units: Any) -> Iterator[Any]:
             def outcomes() -> Iterator[Any]:
-                yield Done(units[0], 1, 0.0, "slow")
+                yield Done(units[0], job.start(job.settings)(units[0]), 0.0, "slow")
                 os.kill(os.getpid(), number)
                 raise AssertionError("waited")
 

@@ -41,21 +41,23 @@ def sweep(
     refuse_existing(output, overwrite=run.overwrite, inputs=inputs)
     if preview:
         refuse_preview(picture, run.overwrite, inputs)
+    from seaglint.store.writers import exclusive
     from seaglint.studies.sweep.run_sweep import sweep as compute
 
-    with run.chosen() as workers, patient_progress(run.show, "cases") as report:
-        dataset = compute(
-            scenario,
-            vary,
-            what=request.what,
-            at=at,
-            workers=workers,
-            threads=request.threads if workers is None else None,
-            keep_going=request.keep_going,
-            most_cases=request.most_cases,
-            progress=report,
-        )
-    write_netcdf(dataset, output, overwrite=run.overwrite)
+    with exclusive(output):
+        with run.chosen() as workers, patient_progress(run.show, "cases") as report:
+            dataset = compute(
+                scenario,
+                vary,
+                what=request.what,
+                at=at,
+                workers=workers,
+                threads=request.threads if workers is None else None,
+                keep_going=request.keep_going,
+                most_cases=request.most_cases,
+                progress=report,
+            )
+        write_netcdf(dataset, output, overwrite=run.overwrite)
     failed = int(dataset.attrs.get("failed_cases", 0))
     if failed:
         log(f"{failed} cases failed and have no values (NaN): {dataset.attrs['failures']}")

@@ -6,7 +6,7 @@ The parts of an unfinished study, frames and finished cases, are in a folder bes
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Self
@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.free_form import JsonObject, TableRow, TomlTables
-from seaglint.store.outputs import moved_when_whole
+from seaglint.store.outputs import ELSEWHERE, moved_when_whole, storage_errors
 from seaglint.store.resumable_folder import ResumableFolder
+from seaglint.store.writers import exclusive
 
 
 @dataclass(frozen=True)
@@ -237,8 +238,7 @@ class StudyParts(ResumableFolder):
         DataError
             The folder exists and may be neither resumed nor replaced, or is of another kind.
         """
-        # workers may run in another folder
-        parts = cls(base.with_name(base.name + ".parts").absolute(), _MARK)
+        parts = cls(parts_path(base), _MARK)
         parts.open(
             resume=resume,
             overwrite=overwrite,
@@ -269,6 +269,11 @@ class StudyParts(ResumableFolder):
         self.write_part(f"case-{key}.json", value)
 
 
+def parts_path(base: Path) -> Path:
+    """Return the folder of the parts of a result; absolute, as workers may run in another folder."""
+    return base.with_name(base.name + ".parts").absolute()
+
+
 def sea_path(folder: Path, number: int) -> Path:
     """Return the file of the frames of one sea."""
     return folder / f"{number:05d}.npy"
@@ -283,8 +288,9 @@ def whole_sea(folder: Path, number: int, shape: tuple[int, ...]) -> bool:
 
 
 def keep_sea(folder: Path, number: int, frames: NDArray[np.float32]) -> None:
-    """Write the frames of a sea."""
-    with moved_when_whole(sea_path(folder, number), "make room and go on with resume=True") as partial, partial.open("wb") as file:
+    """Write the frames of a sea; several workers may write the same one."""
+    remedy = "make room and go on with resume=True"
+    with moved_when_whole(sea_path(folder, number), remedy, several=True) as partial, partial.open("xb") as file:
         np.save(file, frames)
 
 
@@ -292,12 +298,16 @@ def keep_sea(folder: Path, number: int, frames: NDArray[np.float32]) -> None:
 def parts_folder(base: Path | None, *, resume: bool = False, overwrite: bool = False) -> Iterator[tuple[StudyParts, bool]]:
     """Provide the parts beside a result, and true where they outlive an interruption; without a result a temporary folder."""
     if base is not None:
-        parts = StudyParts.at(base, resume=resume, overwrite=overwrite)
-        try:
-            yield parts, True
-        finally:
-            if parts.is_empty:
-                parts.remove()
+        folder = parts_path(base)
+        with ExitStack() as stack:
+            with storage_errors(folder, ELSEWHERE):
+                stack.enter_context(exclusive(folder))
+            parts = StudyParts.at(base, resume=resume, overwrite=overwrite)
+            try:
+                yield parts, True
+            finally:
+                if parts.is_empty:
+                    parts.remove()
         return
     import tempfile
 

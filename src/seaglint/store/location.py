@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from datetime import UTC
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,11 +28,20 @@ from seaglint.base.schema import VARIABLES
 from seaglint.store.layout import FORMAT, GROUP, TRUTHS, UNFINISHED, Layout
 from seaglint.store.outputs import ELSEWHERE, library_errors, refuse_inputs, require_folder, storage_errors
 from seaglint.store.shards import CHECKSUM, DONE, OVER
+from seaglint.store.staging import remove_stages, staged, token
 from seaglint.store.writers import Claim, Share, exclusive, shared
 
+if TYPE_CHECKING:
+    from seaglint.store.staged_store import StagedStore
 
-def make_arrays(store: Path | str, layout: Layout) -> None:
-    """Make a store with coordinates and empty images; its attributes are written last and mark it as complete."""
+WHOLE: Final = "whole"  #: Name of the claim on a sequence alone, in the names of stages.
+
+
+def make_arrays(store: Any, layout: Layout) -> None:
+    """Make a store with coordinates and empty images; its attributes are written last and mark it as complete.
+
+    ``store`` is a store of Zarr, or its location.
+    """
     import zarr
 
     frames, rows, columns = layout.shape
@@ -183,26 +192,50 @@ class Local:
             with shared(self.work), exclusive(part) as claim:
                 yield claim
 
+    @property
+    def stages(self) -> Path:
+        """Return the folder of the stages, in which units are written before they are moved into the unfinished sequence."""
+        return self.work.with_name(self.work.name + ".units")
+
+    def stage(self, claim: Claim) -> Path:
+        """Return the stage of a claim."""
+        return self.stages / f"{self._claimed(claim)}-{claim.token}"
+
+    def _claimed(self, claim: Claim) -> str:
+        return claim.folder.name.removeprefix(self.work.name).removeprefix(".") or WHOLE
+
+    def staging(self, claim: Claim) -> AbstractContextManager[Path]:
+        """Provide the stage of a claim for the duration of the context."""
+        return staged(self.stages, self.stage(claim).name)
+
+    def remove_stages(self, claim: Claim) -> None:
+        """Remove the stages of earlier owners: of the same share, or all where the sequence is claimed alone."""
+        part = self._claimed(claim)
+        remove_stages(self.stages, "" if part == WHOLE else f"{part}-", self.stage(claim).name)
+
+    def store(self, stage: Path) -> StagedStore:
+        """Return the Zarr store of the unfinished sequence, which is written through a stage."""
+        from seaglint.store.staged_store import StagedStore
+
+        return StagedStore(self.work, stage)
+
     @contextmanager
     def settling(self) -> Iterator[None]:
         """Claim the sequence alone among shares, while the empty store is made or its attributes change."""
         with exclusive(self.work.with_name(self.work.name + ".new"), PATIENCE):
             yield
 
-    def create(self, layout: Layout, *, replace: bool = True) -> None:
+    def create(self, layout: Layout, stage: Path, *, replace: bool = True) -> None:
         """Make the empty store, replacing an existing one."""
-        if self.work.exists():
-            shutil.rmtree(self.work)
-        # Metadata that stands is complete: the group is made under another name first, so that an interrupted start leaves no half.
-        fresh = self.work.with_name(self.work.name + ".new")
-        if fresh.exists():
-            shutil.rmtree(fresh)
-        try:
-            make_arrays(fresh, layout)
-            fresh.rename(self.work)
-        except BaseException:
-            shutil.rmtree(fresh, ignore_errors=True)
-            raise
+        from seaglint.store.staged_store import StagedStore
+
+        with suppress(FileNotFoundError):
+            self.work.rename(stage / token())
+        # Metadata that stands is complete: the group is made in the stage, so that an interrupted start leaves no half.
+        fresh = stage / token()
+        fresh.mkdir()
+        make_arrays(StagedStore(fresh, stage), layout)
+        fresh.rename(self.work)
 
     def keep_traceback(self, name: str, text: str) -> None:
         """Write a traceback beside the sequence."""
@@ -295,7 +328,18 @@ class Remote:
         """Return a context without a claim, since object stores have no locks."""
         return nullcontext()
 
-    def create(self, layout: Layout, *, replace: bool = True) -> None:
+    def staging(self, claim: Any) -> AbstractContextManager[None]:
+        """Return a context without a stage, since object stores cannot rename."""
+        return nullcontext()
+
+    def remove_stages(self, claim: Any) -> None:
+        """Do nothing, since there are no stages."""
+
+    def store(self, stage: None) -> str:
+        """Return the location for Zarr."""
+        return self.output
+
+    def create(self, layout: Layout, stage: None, *, replace: bool = True) -> None:
         """Make the empty store; ``replace`` an existing one."""
         with _reached(self.output):
             if replace and self._files.exists(self.output):

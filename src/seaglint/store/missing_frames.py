@@ -4,22 +4,26 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from traceback import format_exception
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError, StorageError, one_line
 from seaglint.base.machine import processor
 from seaglint.store.layout import Layout
-from seaglint.store.location import Place, place_of
-from seaglint.store.outputs import stop_on_signal, storage_errors
+from seaglint.store.location import Local, Place, place_of
+from seaglint.store.outputs import is_full, stop_on_signal, storage_errors
 from seaglint.store.shards import Frame, FramesRaisedError, Shards, UnitFailure, UnitRecord, listed, make_unit
+from seaglint.store.staging import best_attempt, take_unit
 from seaglint.store.writers import Claim
 from seaglint.version import __version__
+
+if TYPE_CHECKING:
+    from seaglint.store.staged_store import UnitStore
 
 log = logging.getLogger(__name__)
 
@@ -52,35 +56,60 @@ Spread = Callable[[UnitTask, Sequence[int]], AbstractContextManager[Iterator[Uni
 
 
 def unit_maker(task: UnitTask, layout: Layout, frame: Frame) -> Callable[[int], UnitRecord]:
-    """Return a function that makes one unit after the other in a store that another process has claimed.
+    """Return a function that makes one unit after the other for a store that another process has claimed.
+
+    The units remain in the stage of that process, which moves them into the store; object stores, which have no stages, are written.
 
     Raises
     ------
     DataError
         That process runs another version of the program; frames would not be the same.
     """
+    from seaglint.store.staged_store import UnitStore  # imported here, as it loads Zarr
+
     require_version(task)
-    place = place_of(task.output)
-    shards = Shards(open_group(place))
+    place, claim = place_of(task.output), Claim(Path(task.folder), task.token) if task.folder else None
+    store = UnitStore(place.work, place.stage(claim)) if isinstance(place, Local) and claim is not None else None
+    shards = Shards(_group(place.work if store is None else store))
 
     @contextmanager
     def writing() -> Iterator[None]:
         with storage_errors(place.work, f"what is done stays in {place.work}: make room and go on with the same settings and resume=True"):
-            if task.folder:
-                Claim(Path(task.folder), task.token).require()
+            if claim is not None:
+                claim.require()
             place.require_there()
             yield
 
     def make(unit: int) -> UnitRecord:
+        if store is not None:
+            store.begin(unit)
         try:
             record = make_unit(shards, unit, layout.frames, frame, writing, patient=True)
         except FramesRaisedError as raised:
+            if store is not None:
+                store.end(len(layout.frames[shards.span(unit)]) - raised.missing)
             raise raised.first from None
-        except StorageError as error:  # no other worker has more room
-            return UnitRecord(unit, no_room=str(error))
+        except Exception as error:
+            if store is not None:
+                store.abandon()
+            if not isinstance(error, StorageError) or not is_full(error):
+                raise  # the fault may be one of this machine alone
+            return UnitRecord(unit, no_room=str(error))  # no other worker has more room
+        if store is not None:
+            record = _staged(record, store, shards, layout.frames)
         return replace(record, processor=processor())
 
     return make
+
+
+def _staged(record: UnitRecord, store: UnitStore, shards: Shards, numbers: range) -> UnitRecord:
+    """Return the record of a complete unit with its place in the stage, and all frames that the sequence itself lacks."""
+    span, frames = shards.span(record.unit), record.frames
+    attempt = store.end(span.stop - span.start)
+    if store.earlier is not None:
+        store.earlier = None
+        frames = tuple(numbers[index] for index in shards.missing([record.unit]))
+    return replace(record, frames=frames, attempt=attempt)
 
 
 def require_version(task: UnitTask) -> None:
@@ -89,11 +118,15 @@ def require_version(task: UnitTask) -> None:
         raise DataError(f"this worker has seaglint {__version__} and its sender {task.version}; install the same version on both")
 
 
-def open_group(place: Place) -> Any:
-    """Open the Zarr group of an unfinished sequence for writing, by its own metadata."""
+def open_group(place: Place, stage: Any) -> Any:
+    """Open the Zarr group of an unfinished sequence for writing through a stage, by its own metadata."""
+    return _group(place.store(stage))
+
+
+def _group(store: Any) -> Any:
     import zarr
 
-    return zarr.open_group(place.work, mode="r+", zarr_format=3, use_consolidated=False)
+    return zarr.open_group(store, mode="r+", zarr_format=3, use_consolidated=False)
 
 
 @dataclass
@@ -107,6 +140,7 @@ class MissingUnits:
     """
 
     place: Place
+    stage: Path | None  #: Stage of the claim; None where there are no locks.
     shards: Shards
     units: range  #: Units of this process's share.
     claim: Any
@@ -168,20 +202,40 @@ class MissingUnits:
             with stop_on_signal(at_once=True), spread(UnitTask.of(self.place, self.claim), left) as outcomes:
                 for outcome in outcomes:
                     if isinstance(outcome, UnitFailure):
+                        self._take_begun(outcome.unit)
                         self._give_up(outcome)
                         self.count = self.total - len(self._missing(self.units))
                     elif outcome.no_room:
                         raise StorageError(outcome.no_room)
                     else:
+                        self._take(outcome.attempt)
                         self.count += len(outcome.frames)
                         if outcome.processor not in processors:
                             processors.add(outcome.processor)
                             note(outcome.processor)
                     self.report()
-        except KeyboardInterrupt:
+        except BaseException as error:
+            # Units that the workers finished, and could not report.
+            with suppress(SeaglintError):
+                for unit in left:
+                    self._take_begun(unit)
+            if not isinstance(error, KeyboardInterrupt):
+                raise
             self.count = self.total - len(self._missing(self.units))
             if self.count < self.total:
                 raise self._interrupted() from None
+
+    def _take(self, attempt: str) -> None:
+        """Move the frames of a unit from the stage into the store."""
+        if self.stage is not None and attempt:
+            with self._writing():
+                take_unit(self.stage / attempt, Path(self.place.work))
+
+    def _take_begun(self, unit: int) -> None:
+        """Move the most complete attempt of a unit that no worker finished."""
+        attempt = None if self.stage is None else best_attempt(self.stage / str(unit))
+        if attempt is not None:
+            self._take(f"{unit}/{attempt.name}")
 
     def require_all(self) -> None:
         """Raise an error that names the frames that failed.

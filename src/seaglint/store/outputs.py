@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import secrets
 import signal
 import tempfile
 import threading
@@ -74,9 +75,15 @@ def library_errors(what: str, remedy: str, kind: type[SeaglintError] = DataError
         raise kind(f"{what} ({reason_of(error)}); {remedy}") from error
 
 
-def _sentence(error: OSError, remedy: str) -> str:
+def is_full(error: BaseException) -> bool:
+    """Return true for an error that was caused by missing room: a full disk, a quota or a limit of file sizes."""
+    system = _system_error(error)
     # NumPy's tofile reports that fewer numbers were written and not the reason; a full disk is the only common one.
-    if error.errno in _FULL or (error.errno is None and "requested and" in str(error)):
+    return system is not None and (system.errno in _FULL or (system.errno is None and "requested and" in str(system)))
+
+
+def _sentence(error: OSError, remedy: str) -> str:
+    if is_full(error):
         return f"no room left (disk full, or over the quota or file size limit); {remedy}"
     if error.errno in _DENIED:
         return f"no right to write there; {remedy}"
@@ -207,8 +214,12 @@ def refuse_inputs(output: Path, inputs: Iterable[str | Path]) -> None:
 
 
 @contextmanager
-def moved_when_whole(output: Path, remedy: str = "make room or choose another place; nothing was written") -> Iterator[Path]:
+def moved_when_whole(
+    output: Path, remedy: str = "make room or choose another place; nothing was written", *, several: bool = False
+) -> Iterator[Path]:
     """Provide a temporary name, ``output`` with ``.partial`` added; it replaces ``output`` on success and is removed otherwise.
+
+    With ``several``, processes may write the same content at the same time: each has a random text in its temporary name.
 
     Raises
     ------
@@ -217,7 +228,7 @@ def moved_when_whole(output: Path, remedy: str = "make room or choose another pl
     StorageError
         No room or no rights; it ends with ``remedy``.
     """
-    partial = output.with_name(output.name + ".partial")
+    partial = output.with_name(f"{output.name}.{secrets.token_hex(8)}.partial" if several else f"{output.name}.partial")
     with storage_errors(output, remedy):
         for path in (output, partial):
             _require_replaceable(path)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import shutil
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from seaglint.base.errors import DataError
-from seaglint.store.outputs import read_json, storage_errors, write_json
+from seaglint.store.outputs import json_text, moved_when_whole, read_json, storage_errors
+from seaglint.store.staging import remove_folder
 
 _REMEDY = "make room or choose another place"
 
@@ -68,12 +69,14 @@ class ResumableFolder:
             return None
 
     def write_part(self, name: str, value: Any) -> None:
-        """Write a part as JSON."""
-        write_json(value, self.folder / name, indent=None)
+        """Write a part as JSON; several workers may write the same part."""
+        with moved_when_whole(self.folder / name, several=True) as partial:
+            partial.write_bytes(f"{json_text(value, indent=None)}\n".encode())
 
     def forget_part(self, name: str) -> None:
-        """Remove a folder of parts."""
-        shutil.rmtree(self.folder / name, ignore_errors=True)
+        """Remove a folder of parts, into which a worker may still write."""
+        with suppress(OSError):
+            remove_folder(self.folder / name)
 
     @property
     def is_empty(self) -> bool:
@@ -88,11 +91,12 @@ class ResumableFolder:
         for path in self.folder.iterdir():
             if path.is_dir() and not path.is_symlink():
                 if path not in mark.parents:
-                    shutil.rmtree(path)
+                    remove_folder(path)
             elif path != mark:
                 path.unlink()
-        shutil.rmtree(self.folder)
+        remove_folder(self.folder)
 
     def remove(self) -> None:
         """Remove the folder with all parts, without an error where files cannot be removed."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        with suppress(OSError):
+            remove_folder(self.folder)

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def consolidate(store: Path | str) -> None:
-    """Copy the arrays' metadata into the store's own: ``xarray.open_zarr`` then reads one file and does not warn."""
+def consolidate(store: Any) -> None:
+    """Copy the arrays' metadata into those of the store: ``xarray.open_zarr`` then reads one file and does not warn."""
     import zarr
 
     with warnings.catch_warnings():
@@ -114,18 +114,20 @@ def write_sequence(
     if not _stands(place, layout, resume=continued, overwrite=overwrite):
         with ExitStack() as claims:
             with storage_errors(place.work, remedy):
-                claim = claims.enter_context(place.claim(share))
+                claim: Any = claims.enter_context(place.claim(share))
             # Another process may have finished between the first look and the claim.
             if not _stands(place, layout, resume=continued, overwrite=overwrite):
                 _require_free(place, resume=continued, overwrite=overwrite)
                 with storage_errors(place.work, remedy):
-                    shards, units = _joined(place, layout, share, continued=continued)
+                    place.remove_stages(claim)
+                    stage = claims.enter_context(place.staging(claim))
+                    shards, units = _joined(place, stage, layout, share, continued=continued)
 
                 def note(kind: str) -> None:
                     with storage_errors(place.work, remedy):
-                        _settle(place, kind)
+                        _settle(place, stage, kind)
 
-                missing = MissingUnits(place, shards, units, claim, layout.frames, remedy, progress)
+                missing = MissingUnits(place, stage, shards, units, claim, layout.frames, remedy, progress)
                 if spread is None:
                     missing.make_here(frame, attempts)
                 else:
@@ -133,7 +135,7 @@ def write_sequence(
                 missing.require_all()
                 if share is None:
                     with storage_errors(place.output, remedy):
-                        _finish(place, claim)
+                        _finish(place, stage, claim)
                 return place.output
     if progress is not None:
         progress(len(layout.frames), len(layout.frames))
@@ -169,11 +171,12 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
     if not place.begun():
         raise DataError(f"{place.work}: no such unfinished sequence; render it first, whole or in shares")
     remedy = f"what is done stays in {place.work}: make room and finish again"
-    with storage_errors(place.work, remedy), place.claim() as claim:
+    claim: Any
+    with storage_errors(place.work, remedy), place.claim() as claim, place.staging(claim) as stage:
         if place.taken():
             return False
         _require_scenario(place.work, scenario_json)
-        group = open_group(place)
+        group = open_group(place, stage)
         shards, numbers = Shards(group), np.asarray(group["frame"][:])
         units = range(shards.count)
         forget_damaged(shards, units, numbers)
@@ -184,7 +187,8 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
             of = f" (of shares {shares_of(absent, counts)})" if counts else ""
             todo = "run these shares again, or all with resume=True" if counts else "render again with resume=True"
             raise DataError(f"{place.work}: {len(missing)} of {shards.frames} frames are missing: {listed(numbers[missing])}{of}; {todo}")
-        _finish(place, claim)
+        place.remove_stages(claim)
+        _finish(place, stage, claim)
     return True
 
 
@@ -226,16 +230,16 @@ def _checked_name(output: str | Path, *, resume: bool, overwrite: bool, inputs: 
     return place
 
 
-def _joined(place: Place, layout: Layout, share: Share | None, *, continued: bool) -> tuple[Shards, range]:
+def _joined(place: Place, stage: Any, layout: Layout, share: Share | None, *, continued: bool) -> tuple[Shards, range]:
     """Return the empty store, or the begun one without its damaged frames, and the units of this share."""
     with place.settling():
         joins = continued and place.begun() and (_whole(place) or (share is not None and _wait_for(place)))
         if joins:
             _require_same(place.work, layout)
         else:
-            place.create(layout, replace=share is None)
-    _settle(place, processor(), share)
-    shards = Shards(open_group(place))
+            place.create(layout, stage, replace=share is None)
+    _settle(place, stage, processor(), share)
+    shards = Shards(open_group(place, stage))
     units = range(shards.count) if share is None else share.units(shards.count)
     if joins:
         forget_damaged(shards, units, np.asarray(layout.frames))
@@ -257,7 +261,7 @@ def _wait_for(place: Place) -> bool:
     return True
 
 
-def _settle(place: Place, kind: str, share: Share | None = None) -> None:
+def _settle(place: Place, stage: Any, kind: str, share: Share | None = None) -> None:
     """Record in the store the types of processors that make it, and the number of shares of the work."""
     with place.settling():
         stored = attributes(place.work)
@@ -272,14 +276,14 @@ def _settle(place: Place, kind: str, share: Share | None = None) -> None:
         if shares != counts:
             changed[UNFINISHED] = {"shares": shares}
         if changed:
-            open_group(place).update_attributes(changed)
+            open_group(place, stage).update_attributes(changed)
 
 
-def _finish(place: Place, claim: Any) -> None:
+def _finish(place: Place, stage: Any, claim: Any) -> None:
     """Give the store its final name, if it is still claimed and has every frame on disk."""
     claim.require()
     place.require_there()
-    group = open_group(place)
+    group = open_group(place, stage)
     shards = Shards(group)
     missing = len(shards.missing(range(shards.count)))
     if missing:
@@ -288,7 +292,8 @@ def _finish(place: Place, claim: Any) -> None:
     place.sweep()
     # Metadata are consolidated last, so that readers of the finished store find no attribute of an unfinished one.
     group.attrs.put({key: value for key, value in dict(group.attrs).items() if key != UNFINISHED})
-    consolidate(place.work)
+    consolidate(place.store(stage))
+    claim.require()
     place.give_name()
 
 

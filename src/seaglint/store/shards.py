@@ -67,14 +67,14 @@ Block = dict[str, NDArray[Any]]  # arrays of a shard's frames, by path in the st
 
 @dataclass(frozen=True)
 class UnitRecord:
-    """Result of a unit; it is small, since the frames themselves are in the store."""
+    """Result of a unit; it is small, since the frames themselves are in the store or in a stage."""
 
     unit: int
     frames: tuple[int, ...] = ()  #: Numbers of the frames that were made.
-    checksums: tuple[int, ...] = ()  #: Checksums of these frames.
     seconds: float = 0.0  #: Duration of the work [s].
     processor: str = ""  #: Type of the processor that made it.
     no_room: str = ""  #: Reason why nothing can be written any more.
+    attempt: str = ""  #: Folder of the frames in the stage; empty where they are in the store.
 
 
 @dataclass(frozen=True)
@@ -89,10 +89,12 @@ class UnitFailure:
 class FramesRaisedError(Exception):
     """Error of frames that raised exceptions; the others are written."""
 
-    def __init__(self, first: Exception) -> None:
+    def __init__(self, first: Exception, missing: int) -> None:
         super().__init__(str(first))
         self.first = first
         """First error; its notes name its frame, and hold the tracebacks of others."""
+        self.missing = missing
+        """Number of frames of the unit that are still missing."""
 
 
 class Shards:
@@ -212,9 +214,9 @@ def make_unit(
             shards.write(unit, block, there, sums)
         report(len(made))
     if failed is not None:
-        raise FramesRaisedError(failed) from failed
+        raise FramesRaisedError(failed, absent.size - len(made)) from failed
     frames = tuple(numbers[span.start + index] for index in made)
-    return UnitRecord(unit, frames, tuple(int(sums[index]) for index in made), time.perf_counter() - began)
+    return UnitRecord(unit, frames, time.perf_counter() - began)
 
 
 def forget_damaged(shards: Shards, units: Iterable[int], numbers: NDArray[np.int64]) -> list[int]:

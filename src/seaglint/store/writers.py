@@ -22,6 +22,10 @@ from pathlib import Path
 from seaglint.base.errors import DataError
 
 
+class BeingWrittenError(DataError):
+    """Error of a folder that another process is writing."""
+
+
 @dataclass(frozen=True)
 class Claim:
     """Claim of a writer on the folder that it writes."""
@@ -68,7 +72,7 @@ def exclusive(folder: Path, patience: float = 0.0) -> Iterator[Claim]:
 
     Raises
     ------
-    DataError
+    BeingWrittenError
         Another process holds it.
     OSError
         The file beside the folder cannot be written.
@@ -95,7 +99,7 @@ def shared(folder: Path, patience: float = 5.0) -> Iterator[None]:
 
     Raises
     ------
-    DataError
+    BeingWrittenError
         Another process has held it alone for ``patience`` seconds.
     OSError
         The file beside the folder cannot be made.
@@ -134,7 +138,7 @@ def _open_locked(folder: Path, path: Path, lock: Callable[[int], bool], patience
         elif not free:
             pid = owner.split(maxsplit=1)[:1]
             known = f" (pid {pid[0].decode('ascii', 'replace')})" if pid else ""
-            raise DataError(f"{folder}: is being written by another process{known}; wait for it or choose another name")
+            raise BeingWrittenError(f"{folder}: is being written by another process{known}; wait for it or choose another name")
 
 
 def _has_name(descriptor: int, path: Path) -> bool:

@@ -33,6 +33,7 @@ from seaglint.formats.dataset.scene_records import (
 )
 from seaglint.formats.tables.table_text import read_rows
 from seaglint.store.outputs import read_json, write_json, write_text
+from seaglint.store.staging import copy_folder
 
 if TYPE_CHECKING:
     from seaglint.formats.dataset.scene_records import Entry
@@ -262,12 +263,11 @@ class Stores(DatasetFormat):
         """Copy a scene's store into the data set, whole or not at all; one that was rendered there stays."""
         stored = cls.store(folder, entry.name)
         if not stored.exists():
-            stored.parent.mkdir(parents=True, exist_ok=True)
             # Renamed when whole: a copy that was interrupted is begun again, and what it left is removed with the records.
             fresh = folder / FOLDER / stored.name
             if fresh.exists():
                 shutil.rmtree(fresh)
-            shutil.copytree(Path(entry.store), fresh)
+            copy_folder(Path(entry.store), fresh)
             fresh.rename(stored)
         return replace(entry, store=str(stored))
 

@@ -33,6 +33,7 @@ from seaglint.studies.ensemble.dataset_scenes import SceneSettings, write_scenes
 from seaglint.studies.ensemble.ensemble_folder import MOST_LISTED, Folder, differences, ensemble_text
 from seaglint.studies.ensemble.label_outlook import report_weak
 from seaglint.studies.ensemble.render_ensemble import Rendering, draw, render_ensemble
+from seaglint.studies.ensemble.scene_attempts import STAGES, forget_attempts
 from seaglint.studies.sequence.memory import require_memory_of_all
 from seaglint.version import __version__
 
@@ -174,8 +175,9 @@ def make_dataset(
         _require_same(dataset_writing.read_about(output)["made_from"], made_from, output, plan.source)
         return output
     remedy = f"what is done stays in {partial}: make room and run the same command with --resume"
-    with outputs.storage_errors(partial, remedy), exclusive(partial):
+    with outputs.storage_errors(partial, remedy), exclusive(partial) as claim:
         if partial.exists() and not resume:
+            forget_attempts(partial)
             _unfinished(partial).clear()
         if _is_whole(partial, made_from):
             _give_name(partial, output)
@@ -183,7 +185,7 @@ def make_dataset(
         _begin(partial, made_from, plan.source)
         entries = scenes(partial)
         settings = ConversionSettings(str(partial.absolute()), options.format, options.bits, options.image, dict(plan.table.classes))
-        write_scenes(SceneSettings(settings, rendering), entries, Folder(partial / SCENES), workers, progress)
+        write_scenes(SceneSettings(settings, rendering), entries, Folder(partial / SCENES), claim, workers, progress)
         parts = [DatasetScene.read(partial, entry.name) for entry in entries]
         catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.image, parts)
         table = plan.table
@@ -240,7 +242,7 @@ def _begin(partial: Path, made_from: JsonObject, source: str) -> None:
 
 def _give_name(partial: Path, output: Path) -> None:
     """Remove the records for resuming, and put the data set in the place of the old one, which is deleted last."""
-    for name in (FOLDER, SCENES, _REPLACED):
+    for name in (FOLDER, SCENES, STAGES, _REPLACED):
         shutil.rmtree(partial / name, ignore_errors=True)
     if output.exists():
         output.rename(partial / _REPLACED)

@@ -18,6 +18,7 @@ from seaglint.scenario.ensemble_file import Ensemble, read_toml
 from seaglint.scenario.text.toml_writing import document
 from seaglint.store.outputs import ELSEWHERE, require_folder, storage_errors, write_text
 from seaglint.studies.ensemble.law_draws import EnsembleScene
+from seaglint.studies.ensemble.scene_attempts import forget_attempts
 
 _REMEDY: Final = "make room and run the same command with --resume"
 _TABLES: Final = ("parameters", "objects")
@@ -104,6 +105,7 @@ class Folder:
 
     def _clear(self) -> None:
         """Remove the files of an ensemble, and no others; the file by which the folder is recognised goes last."""
+        forget_attempts(self.path)
         for name in ("scenes", "failures"):
             shutil.rmtree(self.path / name, ignore_errors=True)
         for path in (*(self.path / f"{name}{ending}" for name in _TABLES for ending in _ENDINGS), self.file):

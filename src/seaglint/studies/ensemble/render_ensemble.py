@@ -33,6 +33,7 @@ from seaglint.studies.ensemble import law_draws
 from seaglint.studies.ensemble.ensemble_folder import Folder
 from seaglint.studies.ensemble.label_outlook import report_unseen
 from seaglint.studies.ensemble.law_draws import EnsembleScene, SingleLaw, count_key, prepared
+from seaglint.studies.ensemble.scene_attempts import forget_scene, rendered_store, scene_stage
 from seaglint.studies.sequence.memory import give_back, require_memory_of_all
 from seaglint.studies.sequence.sequence_work import SceneCache
 
@@ -183,14 +184,17 @@ def render_ensemble(
         require_memory_of_all(scene.scenario for scene in drawn)
     with ExitStack() as stack:
         with storage_errors(folder.path, "choose another folder"):
-            stack.enter_context(exclusive(folder.path))
+            claim = stack.enter_context(exclusive(folder.path))
         # Another process may have written the folder before this one had it for itself.
         folder.check(resume=resume, overwrite=overwrite)
         folder.write(ensemble, drawn, resume=resume, overwrite=overwrite)
         if not draw_only:
             if workers is not None and drawn:
                 report_air(drawn[0].scenario, band(drawn[0].scenario))
-            _render(folder, [scene.label for scene in drawn], workers, threads, progress)
+            labels = [scene.label for scene in drawn]
+            with storage_errors(folder.path, "make room and run the same again with resume=True"):
+                stage = stack.enter_context(scene_stage(folder.path, claim, {label: folder.store(label) for label in labels}))
+            _render(folder, stage, labels, workers, threads, progress)
     return folder.path
 
 
@@ -202,19 +206,23 @@ class Rendering:
     threads: int | None
 
 
-def scene_renderer(settings: Rendering) -> Callable[[str], int]:
-    """Return the function that renders the scene of a label, or the rest of it, and returns its number of frames."""
-    folder, cached = Folder(settings.folder), SceneCache()
+def scene_renderer(settings: tuple[Rendering, Path]) -> Callable[[str], str]:
+    """Return the function that renders the scene of a label, or the rest of it, in a stage, and returns the path of its store there."""
+    (rendering, stage), cached = settings, SceneCache()
+    folder = Folder(rendering.folder)
 
-    def work(label: str) -> int:
+    def work(label: str) -> str:
         scenario = load_scenario(folder.scenario(label))
+
+        def render(store: Path) -> None:
+            render_scene(scenario, store, rendering.threads, cached)
+
         try:
-            render_scene(scenario, folder.store(label), settings.threads, cached)
+            return str(rendered_store(stage, label, folder.store(label), render))
         except Interrupted:
             raise KeyboardInterrupt from None  # no failure of the scene
         finally:
             give_back()
-        return scenario.sensor.frames
 
     return work
 
@@ -227,7 +235,9 @@ def render_scene(scenario: Scenario, output: Path, threads: int | None, cached: 
         write_sequence(output, run.layout, run.images, resume=True)
 
 
-def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, threads: int | None, progress: Progress | None) -> None:
+def _render(
+    folder: Folder, stage: Path, labels: Sequence[str], workers: Workers | None, threads: int | None, progress: Progress | None
+) -> None:
     """Render the scenes that have no store yet."""
     missing = [label for label in labels if not folder.store(label).exists()]
     done, failed = len(labels) - len(missing), dict[str, str]()
@@ -237,15 +247,17 @@ def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, thre
     with ExitStack() as stack:
         stopped = stack.enter_context(stop_on_signal(at_once=workers is not None))
         try:
-            outcomes = stack.enter_context(
-                (workers or ThisProcess()).map(Job(scene_renderer, Rendering(folder.path.absolute(), threads)), missing)
-            )
+            settings = (Rendering(folder.path.absolute(), threads), stage.absolute())
+            outcomes = stack.enter_context((workers or ThisProcess()).map(Job(scene_renderer, settings), missing))
             for outcome in outcomes:
                 if isinstance(outcome, Failed):
                     failed[outcome.unit] = outcome.error
                     folder.failure(outcome.unit).parent.mkdir(exist_ok=True)
                     write_text(outcome.traceback or f"{outcome.error}\n", folder.failure(outcome.unit))
                 else:
+                    with storage_errors(folder.path, "make room and run the same again with resume=True"):
+                        Path(outcome.record).rename(folder.store(outcome.unit))
+                        forget_scene(stage, outcome.unit)
                     done += 1
                     folder.failure(outcome.unit).unlink(missing_ok=True)
                     report(done, len(labels))
