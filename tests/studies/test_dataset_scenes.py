@@ -83,7 +83,7 @@ def test_scenes_in_memory_give_the_files_of_their_stores(tmp_path: Path, form: s
     for name in ("one", "other"):
         for place in format_named(form).folders:
             (tmp_path / name / place).mkdir(parents=True)
-        (tmp_path / name / ".parts").mkdir()
+        (tmp_path / name / ".parts").mkdir(parents=True)
     settings = [ConversionSettings(str(tmp_path / name), form, PictureOptions(), {}) for name in ("one", "other")]
     with LabelledScene.stored(store) as stored:
         assert convert(entry, stored, settings[0]) == convert(entry, held, settings[1])
