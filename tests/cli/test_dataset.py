@@ -145,7 +145,7 @@ def test_bytes_depend_neither_on_the_workers_nor_on_which_file_tells_the_ensembl
         (("--range", "9", "3"), "", "--range 9 3: is no range; give two numbers, the lower one first"),
         (("--range", "3", "9", "--clip", "1"), "", "--range and --clip both set the range of 8 bits"),
         (("--bits", "16", "--scale", "frame"), "", "--scale applies to pictures of 8 bits, and --bits 16"),
-        (("--format", "zarr", "--clip", "1"), "", "--clip: of pictures, and --format 'zarr' keeps the scenes' stores"),
+        (("--format", "zarr", "--clip", "1"), "", "--clip: for pictures only, and --format 'zarr' keeps the scenes' stores"),
         ((), "[dataset]\nsplit = [0.7, 0.2, 0.2]", r"dataset.split = \[0.7, 0.2, 0.2\] adds up to 1.1"),
         ((), "[dataset]\nlicense = 'MIT'", "dataset.license is an unknown key; did you mean licence"),
         (

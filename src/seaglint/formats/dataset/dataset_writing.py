@@ -303,8 +303,8 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
     Parameters
     ----------
     about : mapping
-        ``title``, ``description``, ``licence``, ``licence_note``, ``version``, ``seed``, ``split``, ``counts``, and of pictures ``bits``,
-        ``image``, ``scale``, ``clipped_px`` and ``pixels``.
+        ``title``, ``description``, ``licence``, ``licence_note``, ``version``, ``seed``, ``split``, ``counts``, ``command`` (further
+        options), and of pictures ``bits``, ``image``, ``scale``, ``clipped_px`` and ``pixels``.
     numbers : mapping
         Result of ``statistics``.
     form : type of DatasetFormat
@@ -330,7 +330,8 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
         "",
         "## How",
         "",
-        f"- Made by seaglint {about['version']} with `seaglint dataset ensemble.toml --format {form.name}` from the file `ensemble.toml`; "
+        f"- Made by seaglint {about['version']} with `seaglint dataset ensemble.toml --format {form.name}{about['command']}` from the file "
+        "`ensemble.toml`; "
         f"seed {about['seed']}. The same file, version and kind of processor give the same bytes.",
         f"- Split by scene, {' / '.join(f'{fraction:g}' for fraction in about['split'])}, a function of the seed and the scene's number: "
         "no scene has pictures in two splits.",
@@ -366,8 +367,10 @@ def _pixels(about: Mapping[str, Any], form: type[DatasetFormat]) -> str:
     source = "counts" if about["counts"] else "radiance"
     text = "text chunks" if about["image"] == "png" else "JSON in ImageDescription"
     bits = {"8": "8 bits", "16": "16 bits", "both": "8 bits, and beside them 16 bits (folders that end in 16)"}[about["bits"]]
-    own = "picture" if about.get("scale") == "frame" else "scene"
-    where = f"in each picture ({text})" if own == "picture" else f"in `parameters.csv` and in each picture ({text})"
+    own = {"frame": "are those of the picture", "limits": "are the same for all pictures"}.get(
+        about.get("scale", ""), "are those of the scene"
+    )
+    where = f"{'' if about.get('scale') == 'frame' else 'in `parameters.csv` and '}in each picture ({text})"
     clipped, pixels = about["clipped_px"], about["pixels"]
     beyond = (
         f" {clipped} of {pixels} pixels are beyond the range of 8 bits and clipped to its ends (`clipped_px`)." if clipped else
@@ -375,8 +378,8 @@ def _pixels(about: Mapping[str, Any], form: type[DatasetFormat]) -> str:
     )  # fmt: skip
     return (
         f"{about['image'].upper()}, {bits}, from {source}. A pixel's value gives the radiance, "
-        f"`radiance = radiance_scale * value + radiance_offset` [W m-2 sr-1], to half a step, `radiance_error`. Scale and offset are those "
-        f"of the {own}, {where}.{beyond}"
+        f"`radiance = radiance_scale * value + radiance_offset` [W m-2 sr-1], to half a step, `radiance_error`. Scale and offset {own}, "
+        f"{where}.{beyond}"
     )
 
 
@@ -516,7 +519,8 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
     }
     write_json(document, folder / ABOUT)
     note = ". The ensemble's file names no licence; this is seaglint's default, and yours to change with `[dataset] licence`."
-    texts = {**shared, **pictured, "licence_note": "" if about["licence"] else note, "counts": counts}
+    command = settings.pictures.command if form.pictures else ""
+    texts = {**shared, **pictured, "licence_note": "" if about["licence"] else note, "counts": counts, "command": command}
     write_text(card(texts, numbers, form), folder / "README.md")
     write_sums(folder)  # last: a data set with checksums is complete
     report_lost(pictured)

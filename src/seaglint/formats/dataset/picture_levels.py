@@ -116,7 +116,7 @@ class PictureOptions:
         if image is not None and image not in get_args(ImageKind):
             raise DataError(f"image = {image!r}: is not one of png, tiff; give one of them")
         if scale is not None and scale not in get_args(LevelScale):
-            raise DataError(f"scale = {scale!r}: is not one of scene, frame; give one of them, or limits for all pictures")
+            raise DataError(f"scale = {scale!r}: is not one of scene, frame; give one of them, or `limits` for all pictures")
         if clip is not None and not 0.0 <= clip <= MOST_CLIPPED:
             raise DataError(f"clip = {clip:g}: is not a share of 0 to {MOST_CLIPPED:g} %; give the share of pixels clipped at each end")
         if limits is not None and not (len(limits) == 2 and np.isfinite(limits).all() and limits[0] < limits[1]):
@@ -124,10 +124,10 @@ class PictureOptions:
             raise DataError(f"limits = {given}: is no range; give two numbers, the lower one first")
         names = [name for name, value in (("scale", scale), ("limits", limits), ("clip", clip)) if value is not None]
         if depth == "16" and names:
-            raise DataError(f"{names[0]} applies to pictures of 8 bits, and bits = 16; leave {names[0]} out, or give bits = 8 or both")
+            raise DataError(f"`{names[0]}` applies to pictures of 8 bits, and bits = 16; leave `{names[0]}` out, or give bits = 8 or both")
         if limits is not None and len(names) > 1:
             other = "scale" if scale is not None else "clip"
-            raise DataError(f"limits and {other} both set the range of 8 bits; give one of the two")
+            raise DataError(f"`limits` and `{other}` both set the range of 8 bits; give one of the two")
         ends = None if limits is None else (float(limits[0]), float(limits[1]))
         return cls(depth, image or "png", scale or "scene", ends, clip or 0.0)  # type: ignore[arg-type]
 
@@ -136,6 +136,13 @@ class PictureOptions:
         """Return the options by the names under which a data set records them."""
         shared = {"scale": self.scale, "clip": self.clip} if self.limits is None else {"scale": "limits", "limits": list(self.limits)}
         return {"bits": self.depth, "image": self.image, **({} if self.depth == "16" else shared)}
+
+    @property
+    def command(self) -> str:
+        """Return the options of the command that differ from their defaults, each after a blank."""
+        ends = "" if self.limits is None else f" --range {self.limits[0]!r} {self.limits[1]!r}"
+        given = {"bits": (self.depth, "8"), "image": (self.image, "png"), "scale": (self.scale, "scene"), "clip": (self.clip, 0.0)}
+        return "".join(f" --{name} {value}" for name, (value, default) in given.items() if value != default) + ends
 
     @property
     def bits(self) -> tuple[Bits, ...]:

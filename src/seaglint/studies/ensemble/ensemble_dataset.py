@@ -64,7 +64,8 @@ class DatasetOptions:
         chosen = format_named(form)
         given = [name for name, value in {"bits": bits, "image": image, **more}.items() if value is not None]
         if not chosen.pictures and given:
-            raise DataError(f"{' and '.join(given)}: of pictures, and format = {form!r} keeps {chosen.note}; leave them out")
+            names = " and ".join(f"`{name}`" for name in given)
+            raise DataError(f"{names}: for pictures only, and format = {form!r} keeps {chosen.note}; leave them out")
         return cls(form, PictureOptions.of(bits, image, **more))
 
 
