@@ -559,7 +559,7 @@ def report_lost(about: Mapping[str, Any]) -> None:
     if labels and about["bits"] != "16":
         REPORTS.warning(
             "%d labels with a signal-to-noise ratio above 1 have a contrast below one step of 8 bits, as bright pixels fill the range; "
-            "clip=1 clips one per cent of the pixels, bits='both' adds pictures of 16 bits",
+            "clip a share of the pixels (clip), or write pictures of 16 bits too (bits)",
             labels,
         )
 
