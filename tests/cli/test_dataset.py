@@ -82,7 +82,7 @@ def digests(folder: Path) -> dict[str, str]:
 
 def test_an_ensemble_becomes_a_data_set(seaglint, file, tmp_path):
     folder = tmp_path / "D"
-    answer = seaglint("dataset", file, "-o", folder, "--format", "coco", "--progress", "none")
+    answer = seaglint("dataset", file, "-o", folder, "--bits", "both", "--progress", "none")
     assert answer.code == 0, answer.err
     assert "8 images with" in answer.err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["D"]
@@ -97,9 +97,13 @@ def test_an_ensemble_becomes_a_data_set(seaglint, file, tmp_path):
         for frame in range(2):
             found = sensed.images(frame)
             path = folder / "images" / f"{scene.label}_{frame:06d}.png"
-            assert np.array_equal(np.asarray(Image.open(path)), found["signal"])
-            about, line = read_about(path), sensed.layout.details["signal"]
+            beside = folder / "images16" / path.name
+            assert np.array_equal(np.asarray(Image.open(beside)), found["signal"])
+            about, line = read_about(beside), sensed.layout.details["signal"]
             assert (float(about["radiance_scale"]), float(about["radiance_offset"])) == (line["radiance_scale"], line["radiance_offset"])
+            about = read_about(path)
+            counts = float(about["count_scale"]) * np.asarray(Image.open(path)) + float(about["count_offset"])
+            assert np.abs(counts - found["signal"]).max() <= 0.5 * float(about["count_scale"]) * (1.0 + 1e-9)
             image = next(one for one in read.dataset["images"] if one["file_name"] == path.name)
             annotations = read.loadAnns(read.getAnnIds(imgIds=[image["id"]]))
             for one in annotations:
@@ -133,9 +137,15 @@ def test_bytes_depend_neither_on_the_workers_nor_on_which_file_tells_the_ensembl
 @pytest.mark.parametrize(
     ("arguments", "table", "told"),
     [
-        (("--format", "voc"), "", "--format 'voc': is not one of coco, yolo, sirst, zarr"),
-        (("--bits", "12"), "", "--bits 12: is neither 8 nor 16"),
+        (("--format", "voc"), "", "--format 'voc': is not one of coco, yolo, sirst, coco-video, mot, nudt-mirsdt, zarr"),
+        (("--bits", "12"), "", "--bits 12: is not 8, 16 or both"),
         (("--image", "jpg"), "", "--image 'jpg': is not one of png, tiff"),
+        (("--scale", "set"), "", "--scale 'set': is not one of scene, frame; give one of them, or --range for all pictures"),
+        (("--clip", "60"), "", "--clip 60: is not a share of 0 to 10 %"),
+        (("--range", "9", "3"), "", "--range 9 3: is no range; give two numbers, the lower one first"),
+        (("--range", "3", "9", "--clip", "1"), "", "--range and --clip both set the range of 8 bits"),
+        (("--bits", "16", "--scale", "frame"), "", "--scale applies to pictures of 8 bits, and --bits 16"),
+        (("--format", "zarr", "--clip", "1"), "", "--clip: for pictures only, and --format 'zarr' keeps the scenes' stores"),
         ((), "[dataset]\nsplit = [0.7, 0.2, 0.2]", r"dataset.split = \[0.7, 0.2, 0.2\] adds up to 1.1"),
         ((), "[dataset]\nlicense = 'MIT'", "dataset.license is an unknown key; did you mean licence"),
         (

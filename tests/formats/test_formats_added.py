@@ -25,7 +25,6 @@ class Names(DatasetFormat):
     """Pictures and a list of them."""
 
     name: ClassVar = "names"
-    bits: ClassVar = 8
     layout: ClassVar = "`images/` and `names.txt`"
     folders: ClassVar = ("images",)
 
@@ -78,7 +77,7 @@ def test_an_ending_of_exports(added, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("command", "texts"), [("dataset", ("names", "8 for yolo, sirst and names")), ("export", (".sum (one number a frame)",))]
+    ("command", "texts"), [("dataset", ("the scenes' stores as they are or names",)), ("export", (".sum (one number a frame)",))]
 )
 def test_help_lists_them(added, command, texts):
     from typer.main import get_command

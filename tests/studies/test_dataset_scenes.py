@@ -18,6 +18,7 @@ from seaglint.formats import object_labels
 from seaglint.formats.dataset import dataset_writing, format_named
 from seaglint.formats.dataset.dataset_writing import ConversionSettings, convert
 from seaglint.formats.dataset.labelled_scene import LabelledScene
+from seaglint.formats.dataset.picture_levels import PictureOptions
 from seaglint.formats.dataset.scene_records import Entry
 from seaglint.formats.object_labels import Labels
 from seaglint.scenario.ensemble_file import parse_ensemble
@@ -72,7 +73,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 @pytest.mark.parametrize("objects", [True, False])
 @pytest.mark.parametrize("counts", [True, False])
-@pytest.mark.parametrize("form", ["coco", "sirst", "yolo"])
+@pytest.mark.parametrize("form", ["coco", "coco-video", "mot", "nudt-mirsdt", "sirst", "yolo"])
 def test_scenes_in_memory_give_the_files_of_their_stores(tmp_path: Path, form: str, counts: bool, objects: bool) -> None:
     number = int(np.random.default_rng([counts, objects]).integers(1000))
     layout, frame = scene_of(number, counts=counts, objects=objects)
@@ -82,8 +83,8 @@ def test_scenes_in_memory_give_the_files_of_their_stores(tmp_path: Path, form: s
     for name in ("one", "other"):
         for place in format_named(form).folders:
             (tmp_path / name / place).mkdir(parents=True)
-        (tmp_path / name / ".parts").mkdir()
-    settings = [ConversionSettings(str(tmp_path / name), form, format_named(form).bits, "png", {}) for name in ("one", "other")]
+        (tmp_path / name / ".parts").mkdir(parents=True)
+    settings = [ConversionSettings(str(tmp_path / name), form, PictureOptions(), {}) for name in ("one", "other")]
     with LabelledScene.stored(store) as stored:
         assert convert(entry, stored, settings[0]) == convert(entry, held, settings[1])
     assert digests(tmp_path / "one") == digests(tmp_path / "other") != {}

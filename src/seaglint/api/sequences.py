@@ -348,16 +348,19 @@ def ensemble(
 
 @documented(
     DatasetRequest,
-    formats="``coco``, ``yolo``, ``sirst`` or ``zarr``: the scenes' stores as they are",
-    bits="16 for ``coco``, 8 for ``yolo`` and ``sirst``",
+    formats="``coco``, ``yolo``, ``sirst``, for sequences ``coco-video``, ``mot`` or ``nudt-mirsdt``, or ``zarr``: the scenes' stores as "
+    "they are",
 )
 def dataset(
     source: str | Path,
     output: str | Path | None = None,
     *,
     format: str = "coco",
-    bits: int | None = None,
+    bits: int | str | None = None,
     image: str | None = None,
+    scale: str | None = None,
+    limits: tuple[float, float] | None = None,
+    clip: float | None = None,
     workers: int | Workers | None = None,
     threads: int | None = None,
     resume: bool = False,
@@ -414,7 +417,8 @@ def dataset(
         return given
     if output is None:
         raise DataError("output is missing: the folder of the data set; give one, or check=True for a data set that is there")
-    resolved, options = read_source(given), DatasetRequest(format=format, bits=bits, image=image).options()
+    options = DatasetRequest(format=format, bits=bits, image=image, scale=scale, limits=limits, clip=clip).options()
+    resolved = read_source(given)
     with team_of(workers, threads) as others:
         ensemble_dataset(resolved, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
     return Path(output)

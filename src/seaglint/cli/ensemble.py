@@ -83,21 +83,10 @@ def _formats() -> str:
     return listed(tuple(f"{form.name}: {form.note}" if form.note else form.name for form in FORMATS))
 
 
-def _bits() -> str:
-    """Return the bits of a pixel that each format has by default: ``16 for coco, 8 for yolo and sirst``."""
-    from seaglint.formats.dataset import FORMATS
-
-    names: dict[int, tuple[str, ...]] = {}
-    for form in FORMATS:
-        if form.pictures:
-            names[form.bits] = (*names.get(form.bits, ()), form.name)
-    return ", ".join(f"{bits} for {listed(those, 'and')}" for bits, those in names.items())
+Command = derived_help(formats=_formats)
 
 
-Command = derived_help(formats=_formats, bits=_bits)
-
-
-@takes_records(order="source output format bits image workers dask dask_slurm threads resume overwrite check show")
+@takes_records(order="source output format bits image scale limits clip workers dask dask_slurm threads resume overwrite check show")
 def dataset(
     source: Annotated[
         Path, typer.Argument(metavar="ENSEMBLE.toml", help="ensemble file, or the folder of a rendered one; with --check a data set")

@@ -5,9 +5,10 @@ from typing import Final
 from seaglint.base.errors import DataError
 from seaglint.formats.dataset.layouts import Coco, Sirst, Stores, Yolo
 from seaglint.formats.dataset.scene_records import DatasetFormat
+from seaglint.formats.dataset.sequence_layouts import CocoVideo, Mot, NudtMirsdt
 
 #: All formats, in the order of help texts and of lists in errors.
-FORMATS: Final[tuple[type[DatasetFormat], ...]] = (Coco, Yolo, Sirst, Stores)
+FORMATS: Final[tuple[type[DatasetFormat], ...]] = (Coco, Yolo, Sirst, CocoVideo, Mot, NudtMirsdt, Stores)
 
 
 def format_named(name: str) -> type[DatasetFormat]:
@@ -20,8 +21,8 @@ def format_named(name: str) -> type[DatasetFormat]:
 
     Examples
     --------
-    >>> format_named("yolo").bits
-    8
+    >>> format_named("mot").sequences
+    True
     """
     for form in FORMATS:
         if form.name == name:

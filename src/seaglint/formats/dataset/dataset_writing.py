@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -21,9 +21,11 @@ from scipy.ndimage import binary_dilation
 from seaglint.base.brightness import Scale, eight_bit, scale_limits
 from seaglint.base.errors import BackendError, DataError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.reports import REPORTS
 from seaglint.formats.dataset import format_named
-from seaglint.formats.dataset.grey_pictures import Bits, PictureLevels, box_of, compressed, read_picture, write_picture
+from seaglint.formats.dataset.grey_pictures import box_of, compressed, read_picture, write_picture
 from seaglint.formats.dataset.labelled_scene import LabelledScene
+from seaglint.formats.dataset.picture_levels import FrameRange, PictureLevels, PictureOptions
 from seaglint.formats.dataset.scene_records import (
     SPLITS,
     TRUTH_COLUMNS,
@@ -48,6 +50,8 @@ WIDTH: Final = 240  #: Greatest side of an example [pixels].
 
 COLUMNS: Final = 6
 
+BESIDE: Final = ("", "16")  #: Endings of the folders of the first picture of a frame and of the second one.
+
 SUMS: Final = "SHA256SUMS"
 ABOUT: Final = "dataset.json"
 KIND: Final = "seaglint-dataset-1"  #: Value of ``kind`` in ``dataset.json`` of our data sets.
@@ -69,8 +73,7 @@ class ConversionSettings:
 
     folder: str  #: Folder of the data set, or of the unfinished one.
     format: str  #: Name of one of ``seaglint.formats.dataset.FORMATS``.
-    bits: Bits  #: Bits of a pixel.
-    image: str  #: Ending of pictures.
+    pictures: PictureOptions  #: Bits, range and kind of pictures.
     classes: Mapping[str, str]  #: Category of an object by its name; the default is its preset, or the kind of its shape.
 
 
@@ -85,16 +88,14 @@ def convert(entry: Entry, scene: LabelledScene, settings: ConversionSettings) ->
         No room or no rights.
     """
     folder, form = Path(settings.folder), format_named(settings.format)
-    levels = _levels(scene, settings.bits) if form.pictures else None
-    numbered = tuple(
-        DatasetFrame(f"{entry.name}_{frame:06d}", frame, round(time, 9)) for frame, time in zip(scene.frames, scene.times, strict=True)
-    )
+    relations = _levels(scene, settings.pictures) if form.pictures else [()] * len(scene.frames)
+    numbered: list[DatasetFrame] = []
     rows: list[DatasetObject] = []
     for place, values, labels in scene.each():
-        picture = numbered[place]
-        if levels is not None:
-            about = {"scene": entry.name, "frame": picture.frame, "time_s": picture.time_s, **levels.attributes}
-            write_picture(form.image_path(folder, entry.split, picture.name, settings.image), levels.of(values), about)
+        frame, time = scene.frames[place], round(scene.times[place], 9)
+        picture = DatasetFrame(form.frame_name(entry.name, frame, place), frame, time, relations[place])
+        clipped = _write_pictures(folder, form, entry, picture, values, settings.pictures.image)
+        numbered.append(replace(picture, clipped_px=clipped))
         rows += _rows(place, np.asarray(values, np.float64), labels, scene.line[0]) if labels else ()
     objects = scene.scenario.get("objects") or []
     part = DatasetScene(
@@ -103,29 +104,38 @@ def convert(entry: Entry, scene: LabelledScene, settings: ConversionSettings) ->
         seed=scene.seed,
         shape=scene.shape,
         frame_rate_hz=float(scene.scenario["sensor"]["frame_rate_hz"]),
-        levels=levels,
         names=tuple(item["name"] for item in objects),
         categories=tuple(category_of(item, settings.classes) for item in objects),
-        pictures=numbered,
+        pictures=tuple(numbered),
         rows=tuple(rows),
         parameters=dict(entry.parameters),
     )
-    form.write_scene(folder, part)
+    form.write_scene(folder, part, settings.pictures.image)
     # The record comes last: its presence marks the files of the scene as complete.
     part.write(folder)
     return part
 
 
-def _levels(scene: LabelledScene, bits: Bits) -> PictureLevels:
-    """Return levels that cover all frames of the scene."""
+def _levels(scene: LabelledScene, options: PictureOptions) -> list[tuple[PictureLevels, ...]]:
+    """Return the levels of the pictures of each frame of the scene."""
     # Frame by frame, so that one frame of a store at a time is in memory.
-    least_and_most = [(float(values.min()), float(values.max())) for values in map(scene.image, range(len(scene.frames)))]
-    low, high = min(least for least, _ in least_and_most), max(most for _, most in least_and_most)
-    if not np.isfinite([low, high]).all():
+    frames = [FrameRange.of(scene.image(place), options.clip) for place in range(len(scene.frames))]
+    if not np.isfinite([(frame.least, frame.most) for frame in frames]).all():
         raise DataError(f"{scene.source}: its pictures have pixels without a value; render it again")
-    if scene.variable == "signal":
-        return PictureLevels.of_counts(int(low), int(high), bits, scene.line)
-    return PictureLevels.of_radiance(low, high, bits)
+    return options.levels(frames, scene.line if scene.variable == "signal" else None)
+
+
+def _write_pictures(folder: Path, form: type[DatasetFormat], entry: Entry, picture: DatasetFrame, values: NDArray[Any], image: str) -> int:
+    """Write the pictures of a frame, and return the number of pixels that are clipped in the first one."""
+    clipped: list[int] = []
+    for levels, beside in zip(picture.levels, BESIDE, strict=False):
+        path = form.image_path(folder, entry.split, picture.name, image, beside)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        pixels, beyond = levels.of(values)
+        clipped.append(beyond)
+        about = {"scene": entry.name, "frame": picture.frame, "time_s": picture.time_s, **levels.attributes, "clipped_px": beyond}
+        write_picture(path, pixels, about)
+    return clipped[0] if clipped else 0
 
 
 def category_of(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
@@ -293,7 +303,8 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
     Parameters
     ----------
     about : mapping
-        ``title``, ``description``, ``licence``, ``licence_note``, ``version``, ``seed``, ``bits``, ``image``, ``counts``, ``split``.
+        ``title``, ``description``, ``licence``, ``licence_note``, ``version``, ``seed``, ``split``, ``counts``, ``command`` (further
+        options), and of pictures ``bits``, ``image``, ``scale``, ``clipped_px`` and ``pixels``.
     numbers : mapping
         Result of ``statistics``.
     form : type of DatasetFormat
@@ -319,7 +330,8 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
         "",
         "## How",
         "",
-        f"- Made by seaglint {about['version']} with `seaglint dataset ensemble.toml --format {form.name}` from the file `ensemble.toml`; "
+        f"- Made by seaglint {about['version']} with `seaglint dataset ensemble.toml --format {form.name}{about['command']}` from the file "
+        "`ensemble.toml`; "
         f"seed {about['seed']}. The same file, version and kind of processor give the same bytes.",
         f"- Split by scene, {' / '.join(f'{fraction:g}' for fraction in about['split'])}, a function of the seed and the scene's number: "
         "no scene has pictures in two splits.",
@@ -353,11 +365,21 @@ def _pixels(about: Mapping[str, Any], form: type[DatasetFormat]) -> str:
     if not form.pictures:
         return "Counts or radiance as the scenes have them."
     source = "counts" if about["counts"] else "radiance"
-    relation = "`radiance = radiance_scale * value + radiance_offset` [W m-2 sr-1]"
+    text = "text chunks" if about["image"] == "png" else "JSON in ImageDescription"
+    bits = {"8": "8 bits", "16": "16 bits", "both": "8 bits, and beside them 16 bits (folders that end in 16)"}[about["bits"]]
+    own = {"frame": "are those of the picture", "limits": "are the same for all pictures"}.get(
+        about.get("scale", ""), "are those of the scene"
+    )
+    where = f"{'' if about.get('scale') == 'frame' else 'in `parameters.csv` and '}in each picture ({text})"
+    clipped, pixels = about["clipped_px"], about["pixels"]
+    beyond = (
+        f" {clipped} of {pixels} pixels are beyond the range of 8 bits and clipped to its ends (`clipped_px`)." if clipped else
+        "" if about["bits"] == "16" else " No pixel is clipped."
+    )  # fmt: skip
     return (
-        f"{about['image'].upper()}, {about['bits']} bits, from {source}. "
-        f"The line from a pixel's value to radiance, {relation}, is one for each scene, in `parameters.csv` and in each picture "
-        f"({'text chunks' if about['image'] == 'png' else 'JSON in ImageDescription'}); it is right to half a step."
+        f"{about['image'].upper()}, {bits}, from {source}. A pixel's value gives the radiance, "
+        f"`radiance = radiance_scale * value + radiance_offset` [W m-2 sr-1], to half a step, `radiance_error`. Scale and offset {own}, "
+        f"{where}.{beyond}"
     )
 
 
@@ -444,15 +466,16 @@ def _split_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
 def _picture_problems(folder: Path, about: Mapping[str, Any], form: type[DatasetFormat]) -> Iterator[str]:
     for one in about["scenes"].values():
         for picture in one["images"]:
-            path = form.image_path(folder, one["split"], picture, about["image"])
-            try:
-                levels = read_picture(path)
-            except DataError as error:
-                yield str(error)
-                continue
-            if levels.shape != (one["height"], one["width"]) or 8 * levels.dtype.itemsize != about["bits"]:
-                size = f"{levels.shape[1]} x {levels.shape[0]} pixels of {8 * levels.dtype.itemsize} bits"
-                yield f"{path.name}: has {size}, not {one['width']} x {one['height']} of {about['bits']}"
+            for bits, beside in zip(PictureOptions.of(about["bits"]).bits, BESIDE, strict=False):
+                path = form.image_path(folder, one["split"], picture, about["image"], beside)
+                try:
+                    levels = read_picture(path)
+                except DataError as error:
+                    yield str(error)
+                    continue
+                if levels.shape != (one["height"], one["width"]) or 8 * levels.dtype.itemsize != bits:
+                    size = f"{levels.shape[1]} x {levels.shape[0]} pixels of {8 * levels.dtype.itemsize} bits"
+                    yield f"{path.name}: has {size}, not {one['width']} x {one['height']} of {bits}"
 
 
 def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, about: Mapping[str, Any]) -> None:
@@ -467,9 +490,9 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
     settings : ConversionSettings
         How they were written.
     about : mapping
-        ``description``, ``licence`` (None for the default) and ``split``.
+        ``description``, ``licence`` (None for the default), ``split``, and ``folder``, the final name of the folder.
     """
-    counts = all(part.levels is not None and part.levels.counts for part in catalogue.parts)
+    counts = all(levels.counts for part in catalogue.parts for picture in part.pictures for levels in picture.levels)
     shared = {
         "title": catalogue.title,
         "description": about["description"],
@@ -479,11 +502,11 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
         "split": list(about["split"]),
     }
     form = format_named(settings.format)
-    form.write(folder, catalogue, shared)
+    form.write(folder, catalogue, {**shared, "folder": about["folder"]})
     _write_tables(folder, catalogue)
     write_sheet(_examples(folder, catalogue, settings), folder / "examples.png")
     numbers = statistics(catalogue)
-    pictured = {"bits": settings.bits, "image": settings.image} if form.pictures else {}
+    pictured = {**settings.pictures.named, **levels_lost(catalogue)} if form.pictures else {}
     document = {
         "kind": KIND,
         "format": settings.format,
@@ -496,16 +519,49 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
     }
     write_json(document, folder / ABOUT)
     note = ". The ensemble's file names no licence; this is seaglint's default, and yours to change with `[dataset] licence`."
-    texts = {**shared, **pictured, "licence_note": "" if about["licence"] else note, "counts": counts}
+    command = settings.pictures.command if form.pictures else ""
+    texts = {**shared, **pictured, "licence_note": "" if about["licence"] else note, "counts": counts, "command": command}
     write_text(card(texts, numbers, form), folder / "README.md")
     write_sums(folder)  # last: a data set with checksums is complete
+    report_lost(pictured)
 
 
 def _scene(part: DatasetScene) -> JsonObject:
     rows, columns = part.shape
-    lines = part.levels.attributes if part.levels is not None else {}
     images = [picture.name for picture in part.pictures]
-    return {"split": part.split, "seed": part.seed, "width": columns, "height": rows, **lines, "images": images}
+    return {"split": part.split, "seed": part.seed, "width": columns, "height": rows, **part.attributes, "images": images}
+
+
+def levels_lost(catalogue: Catalogue) -> dict[str, int]:
+    """Return the number of pixels, of those that are clipped, and of visible labels with a contrast below one step of their picture.
+
+    A label is visible with a signal-to-noise ratio above 1.
+    """
+    out = {"pixels": 0, "clipped_px": 0, "labels_below_a_step": 0}
+    for part in catalogue.parts:
+        out["pixels"] += len(part.pictures) * part.shape[0] * part.shape[1]
+        out["clipped_px"] += sum(picture.clipped_px for picture in part.pictures)
+        for row in part.rows:
+            step = abs(part.pictures[row.frame].levels[0].radiance_scale)
+            visible = row.local_contrast is not None and (row.snr or 0.0) > 1.0
+            out["labels_below_a_step"] += visible and abs(row.local_contrast or 0.0) < step
+    return out
+
+
+def report_lost(about: Mapping[str, Any]) -> None:
+    """Report clipped pixels and labels that the steps of 8 bits hide, a line each; nothing where there are none."""
+    clipped, labels = about.get("clipped_px", 0), about.get("labels_below_a_step", 0)
+    if clipped:
+        REPORTS.warning(
+            "%d of %d pixels (%.3g %%) are beyond the range of 8 bits and clipped to its ends; clipped_px has the number of each picture",
+            clipped, about["pixels"], 100.0 * clipped / about["pixels"],
+        )  # fmt: skip
+    if labels and about["bits"] != "16":
+        REPORTS.warning(
+            "%d labels with a signal-to-noise ratio above 1 have a contrast below one step of 8 bits, as bright pixels fill the range; "
+            "clip a share of the pixels (clip), or write pictures of 16 bits too (bits)",
+            labels,
+        )
 
 
 def _write_tables(folder: Path, catalogue: Catalogue) -> None:
@@ -534,6 +590,6 @@ def _examples(folder: Path, catalogue: Catalogue, settings: ConversionSettings) 
         rows = [row for row in part.rows if row.frame == place and row.pieces]
         most = max((row.snr for row in rows if row.snr is not None), default=None)
         title = f"{part.pictures[place].name} {part.split}" + (f", SNR to {most:.3g}" if most is not None else "")
-        picture = format_named(settings.format).picture(folder, part, place, settings.image)
+        picture = format_named(settings.format).picture(folder, part, place, settings.pictures.image)
         out.append(Example(picture, [piece.box for row in rows for piece in row.pieces], title))
     return out

@@ -1,16 +1,15 @@
-"""Grey pictures of a data set in 8 or 16 bits, as PNG or TIFF, with the relations from a level to counts and radiance; masks as text.
+"""Grey pictures of a data set in 8 or 16 bits, as PNG or TIFF, with text; masks as text.
 
-The relations are stored as PNG text, or as JSON in a TIFF's ImageDescription. Masks are COCO's run lengths: columns first, from the upper
-left corner, as numbers or as the text that pycocotools reads.
+The relations from a level to counts and radiance are stored as PNG text, or as JSON in a TIFF's ImageDescription. Masks are COCO's run
+lengths: columns first, from the upper left corner, as numbers or as the text that pycocotools reads.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,70 +18,9 @@ from seaglint.base.errors import BackendError, DataError
 from seaglint.base.optional import optional
 from seaglint.store.outputs import moved_when_whole
 
-Bits = Literal[8, 16]
-
 #: Strategy of deflate that seeks runs of one byte alone (zlib's ``Z_RLE``), as noise has no longer repetitions. A picture of 640 x 512
 #: counts of 14 bits takes 12 ms and 47.3 % of its size, with all repetitions 76 ms and 46.2 %; in 8 bits 4 ms and 15.9 %, 12 ms and 16.4 %.
 RUNS: Final = 3
-
-
-@dataclass(frozen=True)
-class PictureLevels:
-    """Linear relation of one scene's levels, the same for all of its frames: ``value = offset + scale * level``."""
-
-    bits: Bits  #: Bits of a level.
-    scale: float  #: Step of a level, in the values that the levels were made of: counts, or radiance [W m-2 sr-1].
-    offset: float  #: Value of level 0, in the same unit.
-    radiance_scale: float  #: Radiance of a step [W m-2 sr-1].
-    radiance_offset: float  #: Radiance of level 0 [W m-2 sr-1].
-    counts: bool  #: True where the levels were made from a detector's counts.
-
-    @classmethod
-    def of_counts(cls, low: int, high: int, bits: Bits, line: tuple[float, float]) -> PictureLevels:
-        """Return the levels of counts between ``low`` and ``high``, whose radiance is ``line[0] * count + line[1]``.
-
-        In 16 bits levels are the counts themselves. In 8 bits the scene's least to greatest count fill the levels; steps are never finer
-        than a count.
-
-        >>> PictureLevels.of_counts(1000, 1100, 8, (2.0, 5.0)).radiance_offset
-        2005.0
-        """
-        scale, offset = (1.0, 0.0) if bits == 16 else (max((high - low) / 255.0, 1.0), float(low))
-        return cls(bits, scale, offset, line[0] * scale, line[0] * offset + line[1], True)
-
-    @classmethod
-    def of_radiance(cls, low: float, high: float, bits: Bits) -> PictureLevels:
-        """Return the levels of radiance between ``low`` and ``high`` [W m-2 sr-1], which fill their range."""
-        # A scene of one value would have steps of 0.
-        scale = (high - low) / ((1 << bits) - 1) or 1.0
-        return cls(bits, scale, low, scale, low, False)
-
-    def of(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return the nearest levels of counts or radiance.
-
-        Raises
-        ------
-        DataError
-            A value that is no number or beyond the levels.
-        """
-        levels = np.rint((np.asarray(values, np.float64) - self.offset) / self.scale)
-        if not (np.isfinite(levels).all() and levels.min() >= 0 and levels.max() < 1 << self.bits):
-            raise DataError("the picture has values that are no numbers or beyond the scene's range; render the scene again")
-        return levels.astype(np.uint8 if self.bits == 8 else np.uint16)
-
-    @property
-    def attributes(self) -> dict[str, float | int | str]:
-        """Return the relations by their names in tables and pictures."""
-        lines: dict[str, float | int | str] = {
-            "bits": self.bits,
-            "radiance_scale": self.radiance_scale,
-            "radiance_offset": self.radiance_offset,
-            "radiance_units": "W m-2 sr-1",
-        }
-        return {**lines, "count_scale": self.scale, "count_offset": self.offset} if self.counts else lines
-
-
-ImageKind = Literal["png", "tiff"]
 
 
 def write_picture(path: Path, levels: NDArray[Any], about: Mapping[str, Any]) -> None:

@@ -1,7 +1,8 @@
 """Layouts of data sets, each a class that writes and checks its files.
 
 - COCO: one folder of pictures and ``annotations.json``, for all and for each split.
-- SIRST, the layout of single-frame small-target sets: pictures, masks of the same names in 0 and 255, and lists of names.
+- SIRST, the layout of single-frame small-target sets: pictures, masks of the same names in 0 and 255, and lists of names. Each list has two
+  names: with the folder's name for the loaders of BasicIRSTD, SCTransNet and others, without it for DNANet's.
 - Stores: unchanged copies of the scenes' stores, sequences with their truth, in Zarr.
 - YOLO: pictures and text files of boxes in a folder for each split, and ``data.yaml``.
 """
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
-from seaglint.formats.dataset.grey_pictures import Bits, box_of, decoded, read_picture, write_picture
+from seaglint.formats.dataset.grey_pictures import box_of, decoded, read_picture, write_picture
 from seaglint.formats.dataset.scene_records import (
     FOLDER,
     SPLITS,
@@ -46,7 +47,6 @@ class Coco(DatasetFormat):
     """Pictures in one folder, and annotations as JSON."""
 
     name: ClassVar[str] = "coco"
-    bits: ClassVar[Bits] = 16
     layout: ClassVar[str] = (
         "`images/` and `annotations.json` (all), `annotations_train.json`, `annotations_val.json`, `annotations_test.json`"
     )
@@ -56,13 +56,24 @@ class Coco(DatasetFormat):
     def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
         """Write ``annotations.json`` and ``annotations_train.json``, ``_val``, ``_test``, which have its numbers."""
         version = f"seaglint {about['version']}, seed {about['seed']}"
-        whole = _document(catalogue, {"description": about["title"], "version": version, "contributor": "simulated"}, about["licence"])
+        info = {"description": about["title"], "version": version, "contributor": "simulated"}
+        whole = cls.document(catalogue, info, about["licence"])
         write_json(whole, folder / ANNOTATIONS, indent=None)
         for split in SPLITS:
-            images = [image for image in whole["images"] if image["split"] == split]
-            chosen = {image["id"] for image in images}
-            annotations = [annotation for annotation in whole["annotations"] if annotation["image_id"] in chosen]
-            write_json({**whole, "images": images, "annotations": annotations}, folder / f"annotations_{split}.json", indent=None)
+            write_json(cls.of_split(whole, split), folder / f"annotations_{split}.json", indent=None)
+
+    @classmethod
+    def document(cls, catalogue: Catalogue, info: Mapping[str, Any], licence: str) -> JsonObject:
+        """Return what ``annotations.json`` contains."""
+        return _document(catalogue, info, licence)
+
+    @classmethod
+    def of_split(cls, whole: JsonObject, split: str) -> JsonObject:
+        """Return the part of ``annotations.json`` that belongs to a split."""
+        images = [image for image in whole["images"] if image["split"] == split]
+        chosen = {image["id"] for image in images}
+        annotations = [annotation for annotation in whole["annotations"] if annotation["image_id"] in chosen]
+        return {**whole, "images": images, "annotations": annotations}
 
     @classmethod
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
@@ -118,8 +129,9 @@ def _document(catalogue: Catalogue, info: Mapping[str, Any], licence: str) -> Js
 def _image(part: DatasetScene, picture: DatasetFrame, number: int, ending: str) -> JsonObject:
     rows, columns = part.shape
     about = {"id": number, "file_name": f"{picture.name}.{ending}", "width": columns, "height": rows, "license": 1}
-    lines = part.levels.attributes if part.levels is not None else {}
-    return {**about, "scene": part.scene, "split": part.split, "frame": picture.frame, "time_s": picture.time_s, **lines}
+    beside = {"file_name_16": about["file_name"]} if len(picture.levels) > 1 else {}
+    place = {"scene": part.scene, "split": part.split, "frame": picture.frame, "time_s": picture.time_s}
+    return {**about, **beside, **place, **picture.attributes}
 
 
 def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> JsonObject:
@@ -169,28 +181,28 @@ class Sirst(DatasetFormat):
     """Pictures, masks and lists of names."""
 
     name: ClassVar[str] = "sirst"
-    bits: ClassVar[Bits] = 8
-    layout: ClassVar[str] = "`images/`, `masks/` (0 and 255), `img_idx/SPLIT.txt`"
+    layout: ClassVar[str] = "`images/`, `masks/` (0 and 255), `img_idx/SPLIT_NAME.txt` with the folder's name, and `img_idx/SPLIT.txt`"
     folders: ClassVar[tuple[str, ...]] = ("images", "masks", "img_idx")
 
     @classmethod
-    def write_scene(cls, folder: Path, part: DatasetScene) -> None:
+    def write_scene(cls, folder: Path, part: DatasetScene, image: str) -> None:
         """Write ``masks/NAME.png``."""
         for name, mask in masks(part).items():
-            write_picture(folder / "masks" / f"{name}.png", np.where(mask, np.uint8(255), np.uint8(0)), {})
+            write_mask(folder / "masks" / f"{name}.png", mask)
 
     @classmethod
     def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
-        """Write ``img_idx/SPLIT.txt``."""
+        """Write the list of each split under both names: BasicIRSTD reads ``SPLIT_NAME.txt``, DNANet ``SPLIT.txt``."""
         for split in SPLITS:
-            names = [picture.name for part in catalogue.of_split(split) for picture in part.pictures]
-            write_text("".join(f"{name}\n" for name in names), folder / "img_idx" / f"{split}.txt")
+            names = "".join(f"{picture.name}\n" for part in catalogue.of_split(split) for picture in part.pictures)
+            for file in (f"{split}_{about['folder']}.txt", f"{split}.txt"):
+                write_text(names, folder / "img_idx" / file)
 
     @classmethod
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
         """Yield the faults of masks and lists, and of masks against the boxes of ``truth.csv``."""
         yield from _sirst_problems(folder, about["image"])
-        yield from _sirst_box_problems(folder)
+        yield from mask_box_problems(folder, {path.stem: path for path in (folder / "masks").glob("*.png")})
 
 
 def masks(part: DatasetScene) -> dict[str, NDArray[np.bool_]]:
@@ -202,9 +214,18 @@ def masks(part: DatasetScene) -> dict[str, NDArray[np.bool_]]:
     return out
 
 
+def write_mask(path: Path, mask: NDArray[np.bool_]) -> None:
+    """Write a mask as PNG of 0 and 255."""
+    write_picture(path, np.where(mask, np.uint8(255), np.uint8(0)), {})
+
+
 def _sirst_problems(folder: Path, image: str) -> Iterator[str]:
-    """Yield pictures without masks or names, masks of another size or other values."""
-    listed = [name for split in SPLITS for name in (folder / "img_idx" / f"{split}.txt").read_text(encoding="utf-8").split()]
+    """Yield pictures without masks or names, lists that differ, masks of another size or other values."""
+    lists = {path.stem: path.read_text(encoding="utf-8").split() for path in sorted((folder / "img_idx").glob("*.txt"))}
+    for split in SPLITS:
+        if [names for file, names in lists.items() if file.startswith(f"{split}_")] != [lists[split]]:
+            yield f"img_idx: {split}.txt and {split}_NAME.txt are not one list each with the same names"
+    listed = [name for split in SPLITS for name in lists[split]]
     pictures = {path.stem for path in (folder / "images").glob(f"*.{image}")}
     if len(set(listed)) < len(listed) or set(listed) != pictures:
         yield "img_idx: the lists do not name every picture once"
@@ -212,42 +233,46 @@ def _sirst_problems(folder: Path, image: str) -> Iterator[str]:
         yield "masks: not every picture has a mask, or a mask has no picture"
         return
     for name in sorted(pictures):
-        try:
-            mask, levels = read_picture(folder / "masks" / f"{name}.png"), read_picture(folder / "images" / f"{name}.{image}")
-        except DataError as error:
-            yield str(error)
-            continue
-        if mask.shape != levels.shape or not np.isin(mask, (0, 255)).all():
-            yield f"masks/{name}.png: is not of the picture's size, or has other values than 0 and 255"
+        yield from mask_problems(folder, folder / "masks" / f"{name}.png", folder / "images" / f"{name}.{image}")
 
 
-def _sirst_box_problems(folder: Path) -> Iterator[str]:
-    """Yield masks that are empty in an annotated object's box, or not empty outside of all boxes."""
+def mask_problems(folder: Path, mask: Path, picture: Path) -> Iterator[str]:
+    """Yield a mask that cannot be read, is of another size than its picture, or has other values than 0 and 255."""
+    try:
+        values, levels = read_picture(mask), read_picture(picture)
+    except DataError as error:
+        yield str(error)
+        return
+    if values.shape != levels.shape or not np.isin(values, (0, 255)).all():
+        yield f"{mask.relative_to(folder).as_posix()}: is not of the picture's size, or has other values than 0 and 255"
+
+
+def mask_box_problems(folder: Path, masks: Mapping[str, Path]) -> Iterator[str]:
+    """Yield masks that are empty in an annotated object's box, or not empty outside of all boxes; ``masks`` are by picture."""
     boxes: dict[str, list[tuple[int, int, int, int]]] = {}
     for row in read_rows(folder / "truth.csv"):
         annotated = boxes.setdefault(row["image"], [])
         if row["annotated"] == "True":
             left, top, width, height = (int(float(row[f"bbox_{side}_px"])) for side in ("left", "top", "width", "height"))
             annotated.append((left, top, width, height))
-    for path in sorted((folder / "masks").glob("*.png")):
-        mask = read_picture(path) > 0
+    for name, path in sorted(masks.items()):
+        mask, shown = read_picture(path) > 0, path.relative_to(folder).as_posix()
         # Pixels that remain after all boxes are removed belong to no object.
         left_over = mask.copy()
-        for left, top, width, height in boxes.get(path.stem, ()):
+        for left, top, width, height in boxes.get(name, ()):
             # A box over the seam of a panorama continues at the left.
             columns = [column % mask.shape[1] for column in range(left, left + width)]
             if not mask[top : top + height, columns].any():
-                yield f"masks/{path.name}: has nothing in the box of an object of truth.csv"
+                yield f"{shown}: has nothing in the box of an object of truth.csv"
             left_over[top : top + height, columns] = False
         if left_over.any():
-            yield f"masks/{path.name}: has pixels outside of the boxes of truth.csv"
+            yield f"{shown}: has pixels outside of the boxes of truth.csv"
 
 
 class Stores(DatasetFormat):
     """Copies of the scenes' stores; no pictures."""
 
     name: ClassVar[str] = "zarr"
-    bits: ClassVar[Bits] = 16
     layout: ClassVar[str] = "`scenes/NAME.zarr`, sequences as seaglint writes them, with their truth"
     note: ClassVar[str] = "the scenes' stores as they are"
     folders: ClassVar[tuple[str, ...]] = ("scenes",)
@@ -300,14 +325,13 @@ class Yolo(DatasetFormat):
     """Pictures and boxes in a folder for each split."""
 
     name: ClassVar[str] = "yolo"
-    bits: ClassVar[Bits] = 8
     layout: ClassVar[str] = "`images/SPLIT/`, `labels/SPLIT/` (class, middle and size of boxes over those of the picture), `data.yaml`"
     folders: ClassVar[tuple[str, ...]] = tuple(f"{kind}/{split}" for kind in ("images", "labels") for split in SPLITS)
 
     @classmethod
-    def image_path(cls, folder: Path, split: str, name: str, image: str) -> Path:
+    def image_path(cls, folder: Path, split: str, name: str, image: str, beside: str = "") -> Path:
         """Return the place of a picture, in the folder of its split."""
-        return folder / "images" / split / f"{name}.{image}"
+        return folder / f"images{beside}" / split / f"{name}.{image}"
 
     @classmethod
     def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:

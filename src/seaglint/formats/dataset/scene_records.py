@@ -15,7 +15,8 @@ from seaglint.base.errors import DataError
 from seaglint.base.free_form import TableRow
 from seaglint.base.random import stream
 from seaglint.base.schema import NUMBERS
-from seaglint.formats.dataset.grey_pictures import Bits, PictureLevels, read_picture
+from seaglint.formats.dataset.grey_pictures import read_picture
+from seaglint.formats.dataset.picture_levels import PictureLevels
 from seaglint.store.outputs import read_json, write_json
 
 if TYPE_CHECKING:
@@ -86,9 +87,21 @@ class DatasetObject:
 class DatasetFrame:
     """Frame of a scene."""
 
-    name: str
+    name: str  #: Name of its picture, with slashes where a scene has a folder, and without ending.
     frame: int
     time_s: float
+    #: Levels of its pictures: of the first one, and of the one of 16 bits beside it; none where the store itself is delivered.
+    levels: tuple[PictureLevels, ...] = ()
+    clipped_px: int = 0  #: Pixels of the first picture that are clipped to its first or last level.
+
+    @property
+    def attributes(self) -> dict[str, float | int | str]:
+        """Return the relations of its levels by their names in tables; those of the second picture end in ``_16``."""
+        if not self.levels:
+            return {}
+        first, *second = (levels.attributes for levels in self.levels)
+        beside = {f"{name}_16": value for one in second for name, value in one.items() if name not in ("bits", "radiance_units")}
+        return {**first, **beside, "clipped_px": self.clipped_px}
 
 
 @dataclass(frozen=True)
@@ -100,12 +113,18 @@ class DatasetScene:
     seed: int
     shape: tuple[int, int]  #: Rows and columns.
     frame_rate_hz: float
-    levels: PictureLevels | None  #: Levels of the pictures; None where the store itself is delivered.
     names: tuple[str, ...]  #: Names of the objects.
     categories: tuple[str, ...]  #: Categories of the objects.
     pictures: tuple[DatasetFrame, ...]
     rows: tuple[DatasetObject, ...]
     parameters: Mapping[str, Any]
+
+    @property
+    def attributes(self) -> dict[str, float | int | str]:
+        """Return the relations of levels that all of its frames share, and the sum of clipped pixels."""
+        every = [picture.attributes for picture in self.pictures]
+        shared = {name: value for name, value in every[0].items() if all(one[name] == value for one in every)}
+        return {**shared, "clipped_px": sum(picture.clipped_px for picture in self.pictures)} if shared else {}
 
     def write(self, folder: Path) -> None:
         """Write the record; its presence marks the scene's pictures as complete."""
@@ -127,12 +146,12 @@ class DatasetScene:
             pieces = [tuple(Piece(tuple(p["box"]), p["area"], p["counts"]) for p in row["pieces"]) for row in raw["rows"]]
             rows = tuple(DatasetObject(**{**row, "pieces": visible}) for row, visible in zip(raw["rows"], pieces, strict=True))
             # JSON has lists for tuples, and tables for records.
+            frames = [{**one, "levels": tuple(PictureLevels(**levels) for levels in one["levels"])} for one in raw["pictures"]]
             changed = {
                 "shape": tuple(raw["shape"]),
-                "levels": None if raw["levels"] is None else PictureLevels(**raw["levels"]),
                 "names": tuple(raw["names"]),
                 "categories": tuple(raw["categories"]),
-                "pictures": tuple(DatasetFrame(**picture) for picture in raw["pictures"]),
+                "pictures": tuple(DatasetFrame(**frame) for frame in frames),
                 "rows": rows,
             }
             return cls(**{**raw, **changed})
@@ -201,7 +220,7 @@ class Catalogue:
         for part in self.parts:
             about = {"scene": part.scene, "split": part.split, "frames": len(part.pictures), "frame_rate_hz": part.frame_rate_hz}
             drawn = {name: part.parameters.get(name) for name in columns if name not in about}
-            rows.append({**about, **drawn, **(part.levels.attributes if part.levels is not None else {})})
+            rows.append({**about, **drawn, **part.attributes})
         names = list(dict.fromkeys(name for row in rows for name in row))
         return [{name: row.get(name) for name in names} for row in rows]
 
@@ -223,16 +242,21 @@ class DatasetFormat:
     """Format of a data set; each is a class of ``seaglint.formats.dataset.layouts``, listed in ``FORMATS`` of the package."""
 
     name: ClassVar[str]  #: Name by which users choose it.
-    bits: ClassVar[Bits]  #: Default bits of a pixel, expected by programs that read the format.
     layout: ClassVar[str]  #: Sentence of the data card on its files.
     note: ClassVar[str] = ""  #: Remark of the help on it.
     folders: ClassVar[tuple[str, ...]]  #: Folders that are made before the first scene is written.
     pictures: ClassVar[bool] = True  #: True where scenes become pictures; otherwise they stay stores.
+    sequences: ClassVar[bool] = False  #: True where scenes are sequences, of two frames at least.
 
     @classmethod
-    def image_path(cls, folder: Path, split: str, name: str, image: str) -> Path:
-        """Return the place of a picture; ``image`` is the ending of pictures."""
-        return folder / "images" / f"{name}.{image}"
+    def frame_name(cls, scene: str, frame: int, place: int) -> str:
+        """Return the name of a picture from the number of its frame, and its place in the scene from 0."""
+        return f"{scene}_{frame:06d}"
+
+    @classmethod
+    def image_path(cls, folder: Path, split: str, name: str, image: str, beside: str = "") -> Path:
+        """Return the place of a picture; ``image`` is the ending of pictures, ``beside`` that of the folder: "16" of the second ones."""
+        return folder / f"images{beside}" / f"{name}.{image}"
 
     @classmethod
     def store(cls, folder: Path, scene: str) -> Path | None:
@@ -245,8 +269,8 @@ class DatasetFormat:
         return entry
 
     @classmethod
-    def write_scene(cls, folder: Path, part: DatasetScene) -> None:
-        """Write the files of a scene other than its pictures that need no other scene."""
+    def write_scene(cls, folder: Path, part: DatasetScene, image: str) -> None:
+        """Write the files of a scene other than its pictures that need no other scene; ``image`` is the ending of its pictures."""
 
     @classmethod
     def picture(cls, folder: Path, part: DatasetScene, place: int, image: str) -> NDArray[np.generic]:
@@ -255,7 +279,10 @@ class DatasetFormat:
 
     @classmethod
     def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
-        """Write labels and lists that need all scenes; ``about`` has the data set's ``title``, ``licence``, ``version`` and ``seed``."""
+        """Write labels and lists that need all scenes.
+
+        ``about`` has the data set's ``title``, ``licence``, ``version`` and ``seed``, and ``folder``, the final name of its folder.
+        """
 
     @classmethod
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:

@@ -19,7 +19,7 @@ from seaglint.base.free_form import JsonObject
 from seaglint.cluster import Workers
 from seaglint.formats.dataset import dataset_writing, format_named
 from seaglint.formats.dataset.dataset_writing import ABOUT, ConversionSettings, finish
-from seaglint.formats.dataset.grey_pictures import Bits, ImageKind
+from seaglint.formats.dataset.picture_levels import PictureOptions
 from seaglint.formats.dataset.scene_records import FOLDER, Catalogue, DatasetScene, Entry, split_of
 from seaglint.scenario.ensemble_file import Ensemble, load_ensemble, read_toml
 from seaglint.scenario.records.ensemble_tables import Dataset
@@ -32,6 +32,7 @@ from seaglint.studies.build.scenario_physics import band
 from seaglint.studies.ensemble.dataset_scenes import SceneSettings, write_scenes
 from seaglint.studies.ensemble.ensemble_folder import MOST_LISTED, Folder, differences, ensemble_text
 from seaglint.studies.ensemble.label_outlook import report_weak
+from seaglint.studies.ensemble.law_draws import EnsembleScene
 from seaglint.studies.ensemble.render_ensemble import Rendering, draw, render_ensemble
 from seaglint.studies.ensemble.scene_attempts import STAGES, forget_attempts
 from seaglint.studies.sequence.memory import require_memory_of_all
@@ -50,26 +51,23 @@ class DatasetOptions:
     """Format and pictures of a data set."""
 
     format: str  #: Name of one of ``seaglint.formats.dataset.FORMATS``.
-    bits: Bits  #: Bits of a pixel.
-    image: ImageKind  #: Kind of picture: ``png`` or ``tiff``.
+    pictures: PictureOptions  #: Bits, range and kind of pictures.
 
     @classmethod
-    def of(cls, form: str, bits: int | None = None, image: str | None = None) -> DatasetOptions:
-        """Return checked options.
+    def of(cls, form: str, bits: int | str | None = None, image: str | None = None, **more: Any) -> DatasetOptions:
+        """Return checked options; ``more`` are ``scale``, ``limits`` and ``clip`` of ``PictureOptions.of``.
 
         Raises
         ------
         DataError
-            An unknown format, number of bits or kind of picture.
+            An unknown format, or options of pictures that are unknown or do not fit.
         """
         chosen = format_named(form)
-        if not chosen.pictures and (bits is not None or image is not None):
-            raise DataError(f"bits and image apply to pictures, and format = {form!r} keeps {chosen.note}; leave them out")
-        if bits not in (None, 8, 16):
-            raise DataError(f"bits = {bits}: is neither 8 nor 16; give one of them")
-        if image not in (None, "png", "tiff"):
-            raise DataError(f"image = {image!r}: is not one of png, tiff; give one of them")
-        return cls(form, bits or chosen.bits, image or "png")  # type: ignore[arg-type]
+        given = [name for name, value in {"bits": bits, "image": image, **more}.items() if value is not None]
+        if not chosen.pictures and given:
+            names = " and ".join(f"`{name}`" for name in given)
+            raise DataError(f"{names}: for pictures only, and format = {form!r} keeps {chosen.note}; leave them out")
+        return cls(form, PictureOptions.of(bits, image, **more))
 
 
 @dataclass(frozen=True)
@@ -184,12 +182,13 @@ def make_dataset(
             return output
         _begin(partial, made_from, plan.source)
         entries = scenes(partial)
-        settings = ConversionSettings(str(partial.absolute()), options.format, options.bits, options.image, dict(plan.table.classes))
+        settings = ConversionSettings(str(partial.absolute()), options.format, options.pictures, dict(plan.table.classes))
         write_scenes(SceneSettings(settings, rendering), entries, Folder(partial / SCENES), claim, workers, progress)
         parts = [DatasetScene.read(partial, entry.name) for entry in entries]
-        catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.image, parts)
+        catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.pictures.image, parts)
         table = plan.table
         about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": made_from}
+        about["folder"] = output.absolute().name
         finish(partial, catalogue, settings, about)
         if faults := list(dataset_writing.problems(partial)):
             raise DataError("\n".join(f"{partial}: {line}" for line in faults[:20]))
@@ -200,7 +199,7 @@ def make_dataset(
 def _settings(plan: DatasetPlan, options: DatasetOptions) -> JsonObject:
     """Return the settings that both runs of a resumed data set must share."""
     digest = hashlib.sha256(plan.source.encode("utf-8")).hexdigest()
-    shown = {"bits": options.bits, "image": options.image} if format_named(options.format).pictures else {}
+    shown = options.pictures.named if format_named(options.format).pictures else {}
     return {"format": options.format, **shown, "version": __version__, "ensemble": digest}
 
 
@@ -329,7 +328,10 @@ def ensemble_dataset(
         names = f"; objects are {', '.join(sorted(own))}" if own else "; it has no objects"
         raise ScenarioError(f"{ensemble.name}: dataset.classes.{unknown[0]} names no object of the ensemble; correct the name{names}")
 
-    form, folder = format_named(options.format), Folder(source.folder or partial_path(Path(output)) / SCENES)
+    form = format_named(options.format)
+    if form.sequences:
+        _require_sequences(form.name, drawn)
+    folder = Folder(source.folder or partial_path(Path(output)) / SCENES)
 
     def store(partial: Path, label: str) -> Path:
         """Return the store of a scene: in the data set where it is rendered for a format that keeps stores."""
@@ -359,6 +361,16 @@ def ensemble_dataset(
         overwrite=overwrite,
         progress=progress,
     )
+
+
+def _require_sequences(form: str, drawn: Sequence[EnsembleScene]) -> None:
+    """Refuse scenes of one frame for a format of sequences, before anything is written."""
+    single = [scene.label for scene in drawn if scene.scenario.sensor.frames < 2]
+    if single:
+        raise DataError(
+            f"format = {form!r} is for sequences, and {len(single)} of {len(drawn)} scenes have one frame, the first is {single[0]}; "
+            "set ensemble.frames to 2 or more, or choose a format of single pictures"
+        )
 
 
 def _require_rendered(folder: Folder, labels: Sequence[str]) -> None:

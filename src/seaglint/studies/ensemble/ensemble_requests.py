@@ -38,11 +38,26 @@ class DatasetRequest(ScenesRequest):
 
     resume: Annotated[bool, Parameter("go on with an unfinished data set", "Run")] = False
     format: Annotated[str, Parameter("{formats}")] = "coco"
-    bits: Annotated[int | None, Parameter("8 or 16 bits of a pixel; {bits}")] = None
+    bits: Annotated[
+        int | str | None,
+        Parameter("8, 16 or both: bits of a pixel; default: 8", form="name", detail="Both: folders that end in 16 beside those of 8."),
+    ] = None
     image: Annotated[str | None, Parameter("png or tiff; default: png")] = None
+    scale: Annotated[
+        str | None, Parameter("frames that share a relation of level and radiance in 8 bits: scene or frame; default: scene")
+    ] = None
+    limits: Annotated[
+        tuple[float, float] | None,
+        Parameter(
+            "counts of levels 0 and 255 in all pictures, or radiance where there is no detector; default: those of `scale`",
+            metavar="LOW HIGH",
+            option="--range",
+        ),
+    ] = None
+    clip: Annotated[float | None, Parameter("share of pixels clipped at each end of the range of 8 bits [%]; default: 0")] = None
 
     def options(self) -> DatasetOptions:
         """Return the checked format and pictures of the data set."""
         from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions
 
-        return DatasetOptions.of(self.format, self.bits, self.image)
+        return DatasetOptions.of(self.format, self.bits, self.image, scale=self.scale, limits=self.limits, clip=self.clip)
