@@ -179,3 +179,47 @@ def test_a_refused_range_leaves_the_unfinished_study(seaglint, tmp_path: Path) -
     answer = seaglint("detect", "range", scenario, "-o", tmp_path / "r", "--overwrite", "--range-limits", "900:500")
     assert (answer.code, "900" in answer.err) == (2, True), answer.err
     assert (parts / "case-x.json").read_text() == "[1]"
+
+
+SCENE = """
+seed = 3
+[sensor]
+pixels = [48, 24]
+fov_deg = [4, 2]
+elevation_deg = -4
+[sea]
+resolve_waves = false
+[[objects]]
+name = "boat"
+preset = "small-boat"
+north_m = -400
+"""
+
+
+def test_a_range_over_workers_is_the_same_in_both_spellings(seaglint, tmp_path: Path) -> None:
+    file = tmp_path / "boat.toml"
+    file.write_text(SCENE)
+    common = ("--frames", 8, "--precision", 0.5, "--range-limits", "5000:40000", "--p-fa", 0.01, "--detector", "top-hat")
+    common = (*common, "--bearings", "0,5", "--json", "--progress", "none")
+    alone, named, bare = (
+        seaglint(*words, *common)
+        for words in (("detect", "range", file), ("detect", "range", file, "--workers", 2), ("detect", file, "--range", "--workers", 2))
+    )
+    assert alone.code == named.code == bare.code == 0, named.err
+    assert len(json.loads(alone.out)["ranges"]) == 2
+    assert alone.out == named.out == bare.out
+
+
+@pytest.mark.parametrize(
+    "command", [("detect", "recording", "--contrast", "8", "--threshold", "3"), ("analyze",)], ids=["detect", "analyze"]
+)
+def test_a_detector_of_a_file_that_never_returns_ends_the_command(seaglint, command: tuple[str, ...], clip: Path, tmp_path: Path) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text("def never(frames):\n    while True:\n        pass\n")
+    words = (*command, clip, "--detector", f"{file}:never", "--time-limit", 0.5, "--progress", "none")
+    answer = seaglint(*words, *(("-o", tmp_path / "found") if command[0] == "detect" else ()))
+    assert answer.code == 2
+    assert answer.out == ""
+    assert f"detector {file}:never took longer than 0.5 s" in answer.err
+    assert "Traceback" not in answer.err
+    assert sorted(path.name for path in tmp_path.iterdir() if path.name != "__pycache__") == ["clip.npy", "mine.py"]

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from scipy.stats import poisson
 
+from seaglint.base.errors import DataError
 from seaglint.cluster import LocalProcesses
+from seaglint.detection.interface import detector_of
 from seaglint.detection.sources import poisson_quantile
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
@@ -20,7 +22,7 @@ from seaglint.studies.detect import study
 from seaglint.studies.detect.detection_requests import RangeRequest
 from seaglint.studies.detect.range_search import LOOK_ROWS, RangeScenes, looking_near, p_d_at, placed_at
 from seaglint.studies.detect.scene_frames import IndependentSeas
-from seaglint.studies.detect.study import ranges_of
+from seaglint.studies.detect.study import RangeUnit, ranges_of
 from seaglint.studies.detect.varied_cases import StudyCase
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
@@ -129,6 +131,45 @@ def test_ranges_do_not_depend_on_the_workers(bearings: tuple[float, ...], tmp_pa
     assert texts[0] == texts[1]
     assert sorted(lines) == sorted(heard)
     assert done[-1] == (len(bearings), len(bearings))
+
+
+def test_a_closure_searches_over_workers_as_alone(tmp_path: Path) -> None:
+    """Two searches, whose units carry the detector to fresh processes."""
+    gain = 2.0
+    detector = detector_of(lambda frames: gain * frames)
+    request, cases = asked(bearings=(30.0, 200.0), detector=detector), [StudyCase({}, scene(), {})]
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+    alone = ranges_of(cases, request, parts_at(tmp_path / "one"))
+    with LocalProcesses(2, threads=1) as workers:
+        shared = ranges_of(cases, request, parts_at(tmp_path / "two"), workers=workers)
+    assert [one.as_dict() for one in alone] == [one.as_dict() for one in shared]
+    assert [one.detector for one in shared] == ["lambda", "lambda"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"p_fa": 1e-9}, "a rate of 1e-09 per pixel has no threshold"),
+        ({"detector": detector_of(lambda frames: frames[:, 1:])}, "detector lambda returned shape"),
+    ],
+    ids=["rate", "shape"],
+)
+def test_an_error_of_the_user_is_the_same_over_workers(changes: dict[str, Any], message: str, tmp_path: Path) -> None:
+    request, cases = asked(bearings=(30.0, 200.0), **changes), [StudyCase({}, scene(), {})]
+    lines = []
+    with LocalProcesses(2, threads=1) as workers:
+        for number, team in enumerate((None, workers)):
+            (tmp_path / str(number)).mkdir()
+            with pytest.raises(DataError, match=message) as error:
+                ranges_of(cases, request, parts_at(tmp_path / str(number)), workers=team)
+            lines.append(str(error.value))
+    assert lines[0] == lines[1]
+    assert "\n" not in lines[0]
+
+
+def test_a_unit_is_a_few_words() -> None:
+    assert repr(RangeUnit(1, StudyCase({}, scene(), {}), 90.0)) == "search 1, 90 deg from the Sun"
 
 
 def test_finished_ranges_are_not_searched_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

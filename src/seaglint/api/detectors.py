@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from seaglint.api.inputs_and_results import ResultRecord, arguments_of, recording_of, request_of, scenario_of, team_of
 from seaglint.base.parameters import documented
-from seaglint.base.reports import absent_numbers
+from seaglint.base.reports import REPORTS, absent_numbers
 from seaglint.studies.detect.detection_requests import DesignRequest, RangeRequest, RecordingRequest, SceneRequest
 
 if TYPE_CHECKING:
@@ -35,6 +35,15 @@ def numbers_of(values: float | Sequence[float] | None) -> tuple[float, ...] | No
     return None if values is None else tuple(float(value) for value in np.atleast_1d(np.asarray(values, float)))
 
 
+def detectors_in(vary: Mapping[str, Sequence[Any]] | Sequence[str]) -> Mapping[str, Sequence[Any]] | Sequence[str]:
+    """Return the varied values, with functions among detectors as detectors."""
+    from seaglint.detection.interface import detector_of
+
+    if not isinstance(vary, Mapping) or "detector" not in vary:
+        return vary
+    return {**vary, "detector": [detector_of(one) for one in vary["detector"]]}
+
+
 def judged_record(study: Study, values: Mapping[str, Any], unit: str) -> ResultRecord:
     """Return the results of a study as a record."""
 
@@ -56,7 +65,7 @@ def judged_record(study: Study, values: Mapping[str, Any], unit: str) -> ResultR
 def detect_recording(
     source: xr.Dataset | xr.DataArray | NDArray[Any] | str | Path | Recording,
     *,
-    detector: str | None = None,
+    detector: str | Callable[[NDArray[Any]], Any] | None = None,
     filter: str = "none",
     kernel: ArrayLike | None = None,
     signature: ArrayLike | None = None,
@@ -113,13 +122,15 @@ def detect_recording(
     >>> [entry["p_d"] > 0.9 for entry in found["sweep"]]
     [False, True]
     """
+    from seaglint.detection.interface import detector_of
     from seaglint.studies.detect.recordings import options_of, run_recording, settings_of
 
-    request = request_of(RecordingRequest, locals(), source="recording", contrast=numbers_of(contrast), missing=tuple(missing), vary=None)
+    amounts = {"contrast": numbers_of(contrast), "missing": tuple(missing), "detector": detector_of(detector)}
+    request = request_of(RecordingRequest, locals(), source="recording", vary=None, **amounts)
     opened = recording_of(source, request)
     pixel = request.pixel_deg("pixel_mrad = ")
     with absent_numbers():
-        study = run_recording(opened, options_of(request, opened, pixel), settings_of(vary), progress=progress)
+        study = run_recording(opened, options_of(request, opened, pixel), settings_of(detectors_in(vary)), progress=progress)
     values = study.as_dict() if vary else study.good[0].done.result
     return judged_record(study, values, opened.units or "")
 
@@ -129,10 +140,12 @@ def detect(
     source: SceneInput | xr.Dataset | xr.DataArray | NDArray[Any] | Recording,
     contrast: float | Sequence[float] | None = None,
     *,
-    detector: str | None = None,
+    detector: str | Callable[[NDArray[Any]], Any] | None = None,
     filter: str = "none",
     threshold: float | None = None,
     threshold_law: Literal["sigma", "frame", "fixed", "design"] = "sigma",
+    time_limit: float = 60.0,
+    level: float = 0.95,
     injections: int = 2000,
     object_sigma_px: float | None = None,
     psf: ArrayLike | None = None,
@@ -151,6 +164,7 @@ def detect(
     pointing: Literal["least-squares", "centroid"] = "least-squares",
     duration: int = 0,
     seed: int = 0,
+    workers: int | Workers | None = None,
     progress: Progress | None = None,
 ) -> ResultRecord:
     """Probabilities of detection and false alarm, and errors of place, of a detector: on a recording or in the scenes of a scenario.
@@ -162,6 +176,8 @@ def detect(
     {request}
     design : bool
         Contrast of a scenario's object for P_d 0.9 at one false alarm per hour and field, or at ``p_fa``, and the loss against white noise.
+    workers : int or Workers, optional
+        Processes on this machine that render the seas of a scenario, or workers as :func:`seaglint.cluster.dask.connected` gives them.
     progress : callable, optional
         Called with (done, in all).
 
@@ -183,6 +199,12 @@ def detect(
     >>> found = sg.detect(noise, [1.0, 3.0], **how)
     >>> [entry["p_d"] > 0.9 for entry in found["sweep"]]
     [False, True]
+
+    A function of frames is a detector as well:
+
+    >>> found = sg.detect(noise, [1.0, 3.0], detector=lambda frames: frames, threshold=3.0, injections=50)
+    >>> found["detector"]
+    'lambda'
     """
     import xarray as xr
 
@@ -192,6 +214,8 @@ def detect(
     is_file = isinstance(source, str | Path) and Path(source).suffix.lower() == ".toml"
     if is_file or isinstance(source, Scenario) or (isinstance(source, Mapping) and not isinstance(source, xr.Dataset)):
         function = detect_design if design or p_fa is not None else detect_scene
+    elif workers is not None:
+        REPORTS.warning("a recording is judged in one piece, by this process alone: `workers` are not used")
     # Parameters that the other function has, by its signature.
     return function(**arguments_of(function, locals()))
 
@@ -200,7 +224,7 @@ def detect(
 def detect_scene(
     source: SceneInput,
     *,
-    detector: str | None = None,
+    detector: str | Callable[[NDArray[Any]], Any] | None = None,
     filter: str = "none",
     kernel: ArrayLike | None = None,
     signature: ArrayLike | None = None,
@@ -268,7 +292,7 @@ def detect_scene(
 def detect_design(
     source: SceneInput,
     *,
-    detector: str | None = None,
+    detector: str | Callable[[NDArray[Any]], Any] | None = None,
     filter: str = "none",
     kernel: ArrayLike | None = None,
     signature: ArrayLike | None = None,
@@ -341,7 +365,7 @@ def detect_design(
 def detect_range(
     source: SceneInput,
     *,
-    detector: str | None = None,
+    detector: str | Callable[[NDArray[Any]], Any] | None = None,
     filter: str = "none",
     kernel: ArrayLike | None = None,
     signature: ArrayLike | None = None,
@@ -402,11 +426,13 @@ def detect_range(
     >>> round(found["ranges"][0]["range_m"], -2)
     5600.0
     """
+    from seaglint.detection.interface import detector_of
     from seaglint.store.detection_results import parts_folder
     from seaglint.studies.detect.study import ranges_of
 
     far = None if bearings is None else tuple(float(value) for value in bearings)
-    request = request_of(RangeRequest, locals(), source="scenario", vary=None, cases=None, bearings=far)
+    own = {"vary": None, "cases": None, "bearings": far, "detector": detector_of(detector)}
+    request = request_of(RangeRequest, locals(), source="scenario", **own)
     varied = _cases(source, vary, cases, sensor)
     with parts_folder(None) as (parts, _), absent_numbers(), team_of(workers) as team:
         ranges = ranges_of(varied, request, parts, progress=progress, workers=team)
@@ -422,8 +448,10 @@ def detect_range(
 
 def _of_scene(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of a request for scenes that have other forms in Python."""
+    from seaglint.detection.interface import detector_of
+
     amounts = {name: numbers_of(given[name]) for name in ("contrast", "temperature_difference", "intensity")}
-    return {**amounts, "source": "scenario", "vary": None, "cases": None}
+    return {**amounts, "detector": detector_of(given["detector"]), "source": "scenario", "vary": None, "cases": None}
 
 
 def _cases(source: SceneInput, vary: Any, table: str | Path | None, sensor: str | None) -> list[StudyCase]:
@@ -431,7 +459,7 @@ def _cases(source: SceneInput, vary: Any, table: str | Path | None, sensor: str 
     from seaglint.studies.detect.varied_cases import cases_of
 
     given = Path(source) if isinstance(source, str | Path) else scenario_of(source)
-    return cases_of(given, vary=vary, table=None if table is None else Path(table), sensor=sensor)
+    return cases_of(given, vary=detectors_in(vary), table=None if table is None else Path(table), sensor=sensor)
 
 
 def _study(

@@ -11,6 +11,7 @@ import reprlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import fields, replace
+from operator import index
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -117,10 +118,22 @@ def _described(given: object) -> str:
 
 
 def team_of(workers: int | Workers | None, threads: int | None = None) -> AbstractContextManager[Workers | None]:
-    """Return the workers that share the work: processes of this machine for a number, other workers unchanged."""
+    """Return the workers that share the work: processes of this machine for a number, other workers unchanged.
+
+    Raises
+    ------
+    DataError
+        An object of another type.
+    """
     from seaglint.cluster import LocalProcesses
 
-    return LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers)
+    try:
+        # Numbers of NumPy are numbers too.
+        return LocalProcesses(index(workers), threads=threads)  # type: ignore[arg-type]
+    except TypeError:
+        if workers is None or hasattr(workers, "map"):
+            return nullcontext(workers)  # type: ignore[arg-type]
+        raise DataError(f"workers = {_described(workers)}; give a number of processes, or workers") from None
 
 
 def request_of(record: type[Record], values: Mapping[str, Any], **others: Any) -> Record:

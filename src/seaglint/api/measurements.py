@@ -6,7 +6,7 @@ the transmittance of air of one temperature and pressure, without a scenario.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NotRequired, TypedDict, Unpack, overload
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from seaglint.api.inputs_and_results import SceneInput
     from seaglint.base.conventions import Progress
     from seaglint.clutter.filters import Filter
-    from seaglint.detection.interface import Detector
     from seaglint.formats.recording import RawLayout
     from seaglint.optics.band import Band
     from seaglint.studies.measured.compare_spectrum import SpectrumComparison
@@ -48,7 +47,8 @@ def analyze(
     rows: tuple[float, float] = (0.0, 1.0),
     mask: ArrayLike | None = None,
     border: Literal["auto", "keep", "drop"] = "auto",
-    detectors: str | Detector | Sequence[str | Detector] = (),
+    detectors: str | Callable[[NDArray[Any]], Any] | Sequence[str | Callable[[NDArray[Any]], Any]] = (),
+    time_limit: float = 60.0,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Analysis:
@@ -86,9 +86,9 @@ def analyze(
 
     several = tuple(detectors) if isinstance(detectors, list | tuple) else (detectors,)
     request = request_of(AnalysisRequest, locals(), thresholds=tuple(thresholds), detectors=several, missing=tuple(missing))
-    resolved = request.options()
-    opened = recording_of(recording, request)
-    return analysed(opened, resolved) if progress is None else analysed(opened, resolved, progress)
+    with request.ready() as resolved:
+        opened = recording_of(recording, request)
+        return analysed(opened, resolved) if progress is None else analysed(opened, resolved, progress)
 
 
 def apparent_temperature(radiance: xr.Dataset | xr.DataArray | ArrayLike, band: Band | tuple[float, float] | None = None) -> xr.DataArray:

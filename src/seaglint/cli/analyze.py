@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @takes_records(
-    order="recording as_json report frame_rate units mask rows filter kernel signature thresholds scope detectors "
+    order="recording as_json report frame_rate units mask rows filter kernel signature thresholds scope detectors time_limit "
     "variable channel axes missing saturation border raw seed"
 )
 def analyze(
@@ -42,9 +42,9 @@ def analyze(
     if report is not None:
         refuse_report(report, overwrite, [recording, *request.files])
     _require_words(request)
-    opened, options = request.opened(recording), request.options()
+    opened = request.opened(recording)
     with absent_numbers():
-        with patient_progress(show, "frames") as progress:
+        with request.ready() as options, patient_progress(show, "frames") as progress:
             analysis = run(opened, options, progress)
         if report is not None:
             from seaglint.plot.analysis_report import write_report

@@ -60,5 +60,7 @@ NAMES: Final = (*PLAIN, *(entry.name for entry in DETECTORS if entry.needs_shape
 #: Detectors tried for a range where none is stated, in that order: of equal ones the first is taken.
 TRIED: Final = tuple(entry.name for entry in sorted(DETECTORS, key=lambda entry: entry.tried) if entry.tried)
 
+OWN: Final = "package.module:function or FILE.py:function"  #: Forms of the name of a user's detector.
+
 #: All names with the form of the name of a user's detector, as help texts list them.
-CHOICE: Final = f"{', '.join(entry.name for entry in DETECTORS)}, or package.module:function"
+CHOICE: Final = f"{', '.join(entry.name for entry in DETECTORS)}, or {OWN}"

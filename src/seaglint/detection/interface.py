@@ -18,10 +18,13 @@ With an attribute ``takes_nan = True`` the function gets NaN instead.
 from __future__ import annotations
 
 import importlib
+import pickle
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
@@ -136,7 +139,10 @@ def statistics(detector: Detector, blocks: Iterable[Frames]) -> Iterator[Frames]
 
 @dataclass(frozen=True)
 class UserDetector:
-    """Detector from a user's function; its results are checked at every call."""
+    """Detector from a user's function; its results are checked at every call.
+
+    It pickles by value, so that functions of a notebook, lambdas and closures reach other processes.
+    """
 
     function: Callable[[Frames], Any]  #: Frames (k, rows, columns), float32, to an array (k - lead, rows, columns) of numbers.
     name: str  #: Name in the results.
@@ -169,13 +175,17 @@ class UserDetector:
             raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {_error_line(error)}") from error
         expected = (frames.shape[0] - self.lead, *frames.shape[1:])
         try:
-            # Conversion to real numbers would drop the imaginary part with a mere warning.
-            if np.iscomplexobj(result):
-                raise TypeError("no order among complex numbers")
-            out = np.asarray(result, np.float32)
-        except (TypeError, ValueError) as error:
+            array = np.asarray(result)
+            # Complex numbers would lose their imaginary part with a mere warning, and text may be read as numbers.
+            if array.dtype.kind not in "biuf":
+                raise TypeError("no real numbers")
+            # A copy: a function may return the same array at each call.
+            with np.errstate(over="ignore"):  # infinite where single precision ends
+                out = np.array(array, np.float32)
+        except Exception as error:  # arrays of other libraries may compute here, and fail in their own ways
+            why = "" if isinstance(error, TypeError | ValueError) else f": {_error_line(error)}"
             raise DataError(
-                f"detector {self.name} returned {type(result).__name__}; an array of real numbers of shape {expected} is needed"
+                f"detector {self.name} returned {_kind(result)}{why}; an array of real numbers of shape {expected} is needed"
             ) from error
         if out.shape != expected:
             raise DataError(
@@ -194,53 +204,162 @@ class UserDetector:
             unknown |= missing[self.lead - back : frames.shape[0] - back]
         return np.where(unknown, np.float32(np.nan), statistic)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by value.
+
+        Raises
+        ------
+        DataError
+            The function holds something that cannot be copied to another process.
+        """
+        given = tuple(getattr(self, one.name) for one in fields(self) if one.init)
+        try:
+            return _from_pickled, (pickled_by_value(given, self.function),)
+        except Exception as error:
+            raise DataError(
+                f"detector {self.name} cannot be copied to another process: {_error_line(error)}; create what it holds inside the "
+                "function, or write it in a file and give FILE.py:function, or give time_limit=math.inf without workers: it then runs here"
+            ) from error
+
+
+def pickled_by_value(value: Any, function: Any) -> bytes:
+    """Pickle a value that holds a user's function; the function's module is included where other processes cannot import it."""
+    import cloudpickle
+
+    module = sys.modules.get(getattr(function, "__module__", None) or "")
+    included = module is not None and module.__name__ != "__main__" and not _importable(module.__name__)
+    if included:
+        cloudpickle.register_pickle_by_value(module)
+    try:
+        content: bytes = cloudpickle.dumps(value)
+    finally:
+        if included:
+            cloudpickle.unregister_pickle_by_value(module)
+    return content
+
+
+def _importable(module: str) -> bool:
+    """Return whether a new process finds a module by its name."""
+    try:
+        return find_spec(module) is not None
+    except (ImportError, ValueError):
+        return False
+
+
+def _from_pickled(content: bytes) -> UserDetector:
+    return UserDetector(*pickle.loads(content))
+
+
+def _kind(result: Any) -> str:
+    """Return the type of a result, of an array with its numbers."""
+    return f"an array of {result.dtype}" if isinstance(result, np.ndarray) else type(result).__name__
+
 
 def _error_line(error: Exception) -> str:
     """Kind and text of a user's error, in one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())
 
 
-def load(path: str) -> Detector:
-    """Load the detector ``package.module:attribute``; the current folder is searched as well.
+def load(path: str) -> UserDetector:
+    """Load the detector ``package.module:attribute`` or ``FILE.py:attribute``; the current folder is searched as well.
 
-    The attribute is a function of frames, which may carry attributes ``lead``, ``calibrated``, ``takes_nan`` and ``reach``, or an object
-    with the interface of :class:`Detector`, or a class of such objects that needs no arguments.
+    The attribute is as for :func:`user_detector`.
 
     Raises
     ------
     DataError
         A path without the form, a module that cannot be imported, or an attribute that is missing, fails or cannot be called.
     """
-    module_name, _, attribute = path.partition(":")
-    if not module_name or not attribute:
-        raise DataError(f"detector {path!r} is not of the form package.module:function; give e.g. mine:detector")
-    folder = str(Path.cwd())
-    sys.path.insert(0, folder)
+    place, _, attribute = path.rpartition(":")
+    if not place or not attribute:
+        raise DataError(f"detector {path!r} is not of the form package.module:function or FILE.py:function; give e.g. mine:detector")
+    folders = [str(Path.cwd()), *([str(Path(place).absolute().parent)] if place.endswith(".py") else [])]
+    sys.path[:0] = folders
     try:
-        module = importlib.import_module(module_name)
+        module = _module_of_file(place) if place.endswith(".py") else importlib.import_module(place)
     except Exception as error:
-        raise DataError(f"detector {path!r}: module {module_name} cannot be imported: {_error_line(error)}") from error
+        raise DataError(f"detector {path!r}: module {place} cannot be imported: {_error_line(error)}") from error
     finally:
-        if folder in sys.path:
-            sys.path.remove(folder)
+        for folder in folders:
+            if folder in sys.path:
+                sys.path.remove(folder)
     if not hasattr(module, attribute):
-        raise DataError(f"detector {path!r}: module {module_name} has no {attribute}; check the name after the colon")
-    detector = getattr(module, attribute)
-    if isinstance(detector, type):
+        raise DataError(f"detector {path!r}: module {place} has no {attribute}; check the name after the colon")
+    return user_detector(getattr(module, attribute), f"detector {path!r}", path)
+
+
+def _module_of_file(place: str) -> ModuleType:
+    """Import a file of Python under the name of the file."""
+    spec = spec_from_file_location(Path(place).stem, place)
+    assert spec is not None and spec.loader is not None  # noqa: PT018  # a name with the ending .py has a loader
+    module = module_from_spec(spec)
+    # Classes of the file look their module up by its name; a module that is imported already keeps the name.
+    sys.modules.setdefault(module.__name__, module)
+    spec.loader.exec_module(module)
+    return module
+
+
+def user_detector(given: Any, described: str, name: str) -> UserDetector:
+    """Return the detector of a function of frames, of an object that is called like it, or of a class of such objects.
+
+    Functions and objects may have the attributes ``name``, ``lead``, ``calibrated``, ``takes_nan`` and ``reach``; an object may have the
+    whole interface of :class:`Detector`.
+
+    Parameters
+    ----------
+    given : callable or class
+        A class needs no arguments.
+    described : str
+        Beginning of the errors.
+    name : str
+        Name in the results, unless the attribute ``name`` states another.
+
+    Raises
+    ------
+    DataError
+        An object that cannot be called, a class that cannot be made, or attributes that are not allowed.
+    """
+    if isinstance(given, type):
         try:
-            detector = detector()
+            given = given()
         except TypeError as error:
-            raise DataError(f"detector {path!r}: the class needs arguments ({error}); give an instance of it in the module") from error
+            raise DataError(f"{described}: the class needs arguments ({error}); give an instance of it instead") from error
         except Exception as error:
-            raise DataError(f"detector {path!r}: no instance of the class can be made: {_error_line(error)}") from error
-    if not callable(detector):
-        raise DataError(f"detector {path!r} is a {type(detector).__name__}, which cannot be called; name a function of frames")
-    lead = getattr(detector, "lead", 0)
+            raise DataError(f"{described}: no instance of the class can be made: {_error_line(error)}") from error
+    if not callable(given):
+        raise DataError(f"{described} is a {type(given).__name__}, which cannot be called; name a function of frames")
+    lead = getattr(given, "lead", 0)
     if not isinstance(lead, int) or lead < 0:
-        raise DataError(f"detector {path!r}: lead = {lead!r} is not a number of frames of 0 or more")
-    reach = getattr(detector, "reach", None)
+        raise DataError(f"{described}: lead = {lead!r} is not a number of frames of 0 or more")
+    reach = getattr(given, "reach", None)
     if reach is not None and (not isinstance(reach, int) or reach < 0):
-        raise DataError(f"detector {path!r}: reach = {reach!r} is not a number of pixels of 0 or more")
+        raise DataError(f"{described}: reach = {reach!r} is not a number of pixels of 0 or more")
     # Wrapped also where it has the whole interface, so that its results are checked.
-    calibrated, takes_nan = (bool(getattr(detector, flag, False)) for flag in ("calibrated", "takes_nan"))
-    return UserDetector(detector, str(getattr(detector, "name", path)), lead, calibrated, takes_nan, reach)
+    calibrated, takes_nan = (bool(getattr(given, flag, False)) for flag in ("calibrated", "takes_nan"))
+    return UserDetector(given, str(getattr(given, "name", name)), lead, calibrated, takes_nan, reach)
+
+
+def detector_of(given: Any) -> str | Detector | None:
+    """Return a detector that was given in Python in one of its forms: a name or path, a function, an object or a class, or nothing.
+
+    A detector of this package is returned unchanged.
+
+    Raises
+    ------
+    DataError
+        An object that is none of these.
+
+    Examples
+    --------
+    >>> detector_of("matched"), detector_of(None), detector_of(lambda frames: frames).name
+    ('matched', None, 'lambda')
+    """
+    if given is None or isinstance(given, str | UserDetector):
+        return given
+    if isinstance(given, Detector) and type(given).__module__.startswith("seaglint."):
+        return given
+    function = getattr(given, "func", given)  # of a partial function the name is that of its function
+    name = str(getattr(function, "__name__", type(given).__name__)).strip("<>")
+    if not callable(given):
+        raise DataError(f"detector = {' '.join(repr(given).split())[:60]} cannot be called; give a name, FILE.py:function, or a function")
+    return user_detector(given, f"detector {name}", name)

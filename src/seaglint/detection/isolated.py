@@ -6,17 +6,20 @@ ended with the session, after a call that takes too long, or when it dies.
 
 from __future__ import annotations
 
+import math
 import os
 import socket
 import subprocess
 import sys
+import time
 from multiprocessing.connection import Connection
+from threading import TIMEOUT_MAX, Timer
 from typing import Any, Final
 
 import numpy as np
 
 from seaglint.base.errors import DataError, DomainError
-from seaglint.detection.interface import GAUSSIAN_TAIL, Frames
+from seaglint.detection.interface import GAUSSIAN_TAIL, Detector, Frames, UserDetector
 
 TIME_LIMIT: Final = 60.0  #: Default time limit of a call [s].
 
@@ -24,38 +27,43 @@ START_LIMIT: Final = 120.0  #: Time limit for importing the module [s].
 
 
 class IsolatedDetector:
-    """Detector behind ``package.module:attribute``, called in another process.
+    """User's detector, called in another process.
 
     Parameters
     ----------
-    path : str
-        Path as for ``seaglint.detection.interface.load``.
+    given : str or UserDetector
+        Path as for ``seaglint.detection.interface.load``, or a detector, which is copied to the process.
     time_limit : float
         Longest time of a call [s].
 
     Raises
     ------
     DataError
-        A path that ``seaglint.detection.interface.load`` refuses, or a module that ends the process or takes too long to import.
+        A path that ``seaglint.detection.interface.load`` refuses, a module that ends the process or takes too long to import, or a detector
+        that cannot be copied.
     DomainError
         A time limit that is not above 0.
     """
 
     linear: Final = False
 
-    def __init__(self, path: str, time_limit: float = TIME_LIMIT) -> None:
+    def __init__(self, given: str | UserDetector, time_limit: float = TIME_LIMIT) -> None:
         if not time_limit > 0:
             raise DomainError(f"time limit of a detector = {time_limit:g} s; give a number above 0")
-        self.path, self.time_limit = path, time_limit
+        self.path, self.time_limit = given if isinstance(given, str) else given.name, time_limit
         ours, theirs = socket.socketpair()
         with theirs:
             # The child inherits the descriptor of its end; standard output goes to stderr, so that results stay readable.
             number = theirs.fileno()
-            command = [sys.executable, "-m", "seaglint.detection.worker", str(number), path]
+            command = [sys.executable, "-m", "seaglint.detection.worker", str(number)]
             environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
             self._process = subprocess.Popen(command, pass_fds=[number], stdin=subprocess.DEVNULL, stdout=2, env=environment)
         self._connection = Connection(ours.detach())
-        properties = self._answer(START_LIMIT, "while its module was imported")
+        try:
+            properties = self._answer(given, START_LIMIT, "while its module was imported")
+        except BaseException:
+            self.close()
+            raise
         self.name, self.lead, self.calibrated, self.reach = (properties[k] for k in ("name", "lead", "calibrated", "reach"))
 
     @property
@@ -74,22 +82,26 @@ class IsolatedDetector:
         when = f"on frames of shape {frames.shape}"
         if self._process.poll() is not None:
             raise DataError(f"detector {self.path} was ended before; it is not called again {when}")
-        try:
-            self._connection.send(frames)
-        except OSError as error:
-            raise self._ended(when) from error
-        return np.asarray(self._answer(self.time_limit, when), np.float32)
+        return np.asarray(self._answer(frames, self.time_limit, when), np.float32)
 
-    def _answer(self, limit: float, when: str) -> Any:
+    def _answer(self, message: Any, limit: float, when: str) -> Any:
+        """Send a message and return its answer; the process is ended after ``limit`` seconds, whether it takes the message or answers."""
+        begin = time.monotonic()
+        timer = Timer(min(limit, TIMEOUT_MAX), self._process.kill)
+        timer.daemon = True
+        timer.start()
         try:
-            if not self._connection.poll(limit):
+            self._connection.send(message)
+            good, answer = self._connection.recv()
+        except (EOFError, OSError) as error:
+            if time.monotonic() - begin >= limit:
                 self.close()
                 raise DataError(
                     f"detector {self.path} took longer than {limit:g} s {when}; make it faster, give it fewer pixels, or allow more time"
-                )
-            good, answer = self._connection.recv()
-        except (EOFError, OSError) as error:
+                ) from None
             raise self._ended(when) from error
+        finally:
+            timer.cancel()
         if not good:
             raise DataError(answer)
         return answer
@@ -109,3 +121,27 @@ class IsolatedDetector:
         """End the process when the object is deleted."""
         if hasattr(self, "_connection") and self._process.poll() is None:
             self.close()
+
+
+def running(given: str | Detector, time_limit: float) -> Detector:
+    """Return a user's detector in a process that ends with a call longer than ``time_limit`` [s], or here where that is infinite.
+
+    A function of a path always has its process, and a detector of this package needs none.
+
+    Raises
+    ------
+    DataError
+        See ``IsolatedDetector``.
+    DomainError
+        A time limit that is not above 0.
+    """
+    if isinstance(given, str) or (isinstance(given, UserDetector) and time_limit != math.inf):
+        return IsolatedDetector(given, time_limit)
+    return given
+
+
+def ended(detector: Detector) -> None:
+    """End the process of a detector, or of the detector behind a filter, if it has one."""
+    inner = getattr(detector, "detector", detector)
+    if isinstance(inner, IsolatedDetector):
+        inner.close()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
 from seaglint.clutter.filters import autocovariance
-from seaglint.detection.detector_names import DETECTORS, NAMES, PLAIN
+from seaglint.detection.detector_names import DETECTORS, NAMES, OWN, PLAIN
 from seaglint.detection.interface import Detector, Frames, load
 from seaglint.detection.spatial import laplacian_of_gaussian
 from seaglint.detection.spot import GaussianSpot, SpotShape
@@ -20,7 +20,7 @@ CORE: Final = 0.999  #: Share of its energy that a signature keeps where covaria
 
 
 def named(name: str) -> Detector:
-    """Return the detector of a name in ``PLAIN`` with default settings, or of ``package.module:function``.
+    """Return the detector of a name in ``PLAIN`` with default settings, or of a path as for ``seaglint.detection.interface.load``.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def named_for(name: str, shape: SpotShape, background: Callable[[], Frames]) -> 
     Parameters
     ----------
     name : str
-        One of ``NAMES``, or ``package.module:function``.
+        One of ``NAMES``, or a path as for ``seaglint.detection.interface.load``.
     shape : SpotShape
         Shape of the objects.
     background : callable
@@ -109,4 +109,4 @@ def _key(name: str) -> str:
 
 
 def _unknown(name: str, known: tuple[str, ...]) -> DataError:
-    return DataError(f"detector {name!r} is unknown; choose {', '.join(known)}, or package.module:function of your own")
+    return DataError(f"detector {name!r} is unknown; choose {', '.join(known)}, or {OWN} of your own")

@@ -9,13 +9,15 @@ Importing this module loads nothing else, because help pages need it.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple, get_args
 
 from seaglint.base.errors import DataError
 from seaglint.base.parameters import Parameter, documented
-from seaglint.detection.detector_names import ANALYZED
+from seaglint.detection.detector_names import ANALYZED, OWN
 
 if TYPE_CHECKING:
     from seaglint.analysis import AnalysisOptions, Recording
@@ -111,6 +113,15 @@ class WorkRequest:
     overwrite: Overwrite = False
 
 
+#: Parameter of requests with a detector.
+TIME_LIMIT: Final = Parameter(
+    "longest time of a call of your own detector [s]",
+    "Detector",
+    python="Longest time of a call of your own detector [s], after which it is ended. It runs in a separate process, to which functions "
+    "and objects are copied; with infinity they run in this process instead.",
+)
+
+
 @dataclass(frozen=True)
 class AnalysisRequest(ReadingRequest):
     """Request to analyse a recording.
@@ -146,12 +157,14 @@ class AnalysisRequest(ReadingRequest):
     detectors: Annotated[
         tuple[Any, ...],
         Parameter(
-            f"{', '.join(ANALYZED)}, or package.module:function; repeatable",
+            f"{', '.join(ANALYZED)}, or {OWN}; repeatable",
             form="names",
             option="--detector",
             subject="detectors that are counted like the filter:",
+            detail="Functions, lambdas and objects that are called with frames as well.",
         ),
     ] = ()
+    time_limit: Annotated[float, TIME_LIMIT] = 60.0
     border: Annotated[
         Literal["auto", "keep", "drop"],
         Parameter("'keep' or 'drop' filtered pixels that see repeated ones beyond the border; 'auto': keep in one image", form="name"),
@@ -162,6 +175,18 @@ class AnalysisRequest(ReadingRequest):
     def files(self) -> list[Path]:
         """Files that are read beside the recording, which no result may replace."""
         return [given.path for given in (self.mask, self.kernel, self.signature) if isinstance(given, WeightsFile)]
+
+    @contextmanager
+    def ready(self) -> Iterator[AnalysisOptions]:
+        """Provide the options; processes of a user's detectors end with the context."""
+        from seaglint.detection.isolated import ended
+
+        options = self.options()
+        try:
+            yield options
+        finally:
+            for detector in options.detectors:
+                ended(detector)
 
     def options(self) -> AnalysisOptions:
         """Return the options of the analysis: filters and detectors from names, sequences as tuples, masks as plain arrays.
@@ -174,13 +199,20 @@ class AnalysisRequest(ReadingRequest):
         import numpy as np
 
         from seaglint.analysis import AnalysisOptions
+        from seaglint.detection.interface import detector_of
+        from seaglint.detection.isolated import running
         from seaglint.detection.named_detectors import named
 
         known: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(AnalysisOptions)}
         if isinstance(self.filter, str) or self.kernel is not None:
             known["filter"] = filter_of(self.filter, self.kernel, self.signature)
         known["mask"] = None if self.mask is None else np.asarray(values_of(self.mask), dtype=np.bool_)
-        known["detectors"] = tuple(named(each) if isinstance(each, str) else each for each in self.detectors)
+        # A user's detector has its process, in which it can be ended.
+        known["detectors"] = tuple(
+            named(each) if isinstance(each, str) and ":" not in each else running(each, self.time_limit)
+            for each in map(detector_of, self.detectors)
+            if each is not None
+        )
         return AnalysisOptions(**known | {"thresholds": tuple(self.thresholds), "rows": tuple(self.rows)})
 
 

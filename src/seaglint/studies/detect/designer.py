@@ -28,7 +28,7 @@ from seaglint.detection.design import (
     loss_db,
     threshold_for,
 )
-from seaglint.detection.isolated import IsolatedDetector
+from seaglint.detection.isolated import ended
 from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, MOST_EVENTS, RareTail
 from seaglint.detection.sources import FrameSource
 from seaglint.detection.stepped_tails import tail_above
@@ -192,7 +192,7 @@ def design(performance: Performance, source: FrameSource, options: DetectionOpti
         with single_threaded_algebra():
             needed = contrast_for(performance.judged, source, objects, as_threshold(at, options.law), request.p_d)
     finally:
-        _close(performance.judged)
+        ended(performance.judged.detector)
     out = DesignFigures(
         p_d=request.p_d,
         p_fa=at.p_fa,
@@ -230,12 +230,7 @@ def white_contrast(source: FrameSource, options: DetectionOptions, request: Desi
             objects = replace(options.objects, injections=request.injections)
             return contrast_for(background, white, objects, as_threshold(at), request.p_d).contrast, white.sigma
         finally:
-            _close(background)
-
-
-def _close(background: Background) -> None:
-    if isinstance(background.detector, IsolatedDetector):
-        background.detector.close()
+            ended(detector)
 
 
 def tried_detectors(

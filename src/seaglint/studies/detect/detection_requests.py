@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal, Self
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.parameters import Parameter
 from seaglint.detection.detector_names import CHOICE, TRIED
-from seaglint.studies.study_requests import ReadingRequest, WeightsFile, filter_of, values_of
+from seaglint.studies.study_requests import TIME_LIMIT, ReadingRequest, WeightsFile, filter_of, values_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from seaglint.detection.interface import Detector
     from seaglint.detection.spot import SpotShape
     from seaglint.studies.detect.designer import Design
     from seaglint.studies.detect.injected import Strength
@@ -42,13 +43,14 @@ class DetectorRequest:
 
     source: Annotated[str, Parameter("recording or scenario", "")]
     detector: Annotated[
-        str | None,
+        Any,
         Parameter(
             CHOICE,
             "Detector",
+            "name",
             subject="detector:",
-            python=f"Detector: {CHOICE}.",
-            detail="Where nothing is said `threshold`; of a recording without `contrast` matched-local; of a range the best of "
+            python=f"Detector: {CHOICE}; or a function, a lambda or an object that is called with frames (time, rows, columns) and returns "
+            "a statistic of that shape. None: threshold; of a recording without `contrast` matched-local; of a range the best of "
             f"{', '.join(TRIED[:-1])} and {TRIED[-1]}.",
         ),
     ] = None
@@ -81,7 +83,7 @@ class DetectorRequest:
             subject="unit of the threshold.",
         ),
     ] = "sigma"
-    time_limit: Annotated[float, Parameter("longest time of a call of your own detector [s]", "Detector")] = 60.0
+    time_limit: Annotated[float, TIME_LIMIT] = 60.0
     level: Annotated[float, Parameter("of the intervals", "Detector")] = 0.95
     injections: Annotated[int, Parameter("objects of each contrast", "Object", least=1)] = 2000
     placement: Annotated[
@@ -115,9 +117,14 @@ class DetectorRequest:
         return GaussianSpot(0.8)
 
     @property
+    def stated_detector(self) -> str | Detector:
+        """Detector, or the name of the usual one where none is stated."""
+        return self.usual_detector if self.detector in (None, "") else self.detector
+
+    @property
     def detector_name(self) -> str:
         """Name of the detector, also where none is stated."""
-        return self.detector or self.usual_detector
+        return named if isinstance(named := self.stated_detector, str) else named.name
 
     def detection(
         self,
@@ -156,7 +163,7 @@ class DetectorRequest:
         )
         return DetectionOptions(
             objects=objects,
-            detector=self.detector_name,
+            detector=self.stated_detector,
             filter=filter_of(self.filter, self.kernel, self.signature) if isinstance(self.filter, str) else self.filter,
             threshold=USUAL_THRESHOLD if self.threshold is None else self.threshold,
             law=self.threshold_law,
@@ -291,7 +298,11 @@ class CasesRequest(DetectorRequest):
     @property
     def settings(self) -> tuple[Any, ...]:
         """Everything except the scenario on which a result depends: results are stored under a digest of it."""
-        return (self.detection(), self.seas)
+        options = self.detection()
+        if not isinstance(options.detector, str):
+            # A detector that was given as an object is known in this process alone, and so are the parts that are stored under its number.
+            options = replace(options, detector=f"{options.detector.name} {id(options.detector)}")
+        return (options, self.seas)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from seaglint.clutter.thresholds import gaussian_rate
 from seaglint.detection.background import Background, FalseAlarmCount, Law, Threshold, Windows, count_false_alarms
 from seaglint.detection.injection import Batch, inject
 from seaglint.detection.interface import Detector, Frames
-from seaglint.detection.isolated import TIME_LIMIT, IsolatedDetector
+from seaglint.detection.isolated import TIME_LIMIT, ended, running
 from seaglint.detection.named_detectors import named_for
 from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, RARE, RareRate, RareTail
 from seaglint.detection.scoring import Interval, Roc, Scores, mean_interval, roc
@@ -45,7 +45,8 @@ class DetectionOptions:
     """Detector, objects and threshold of an evaluation."""
 
     objects: InjectedObjects  #: Injected objects.
-    detector: str = "threshold"  #: Name (``seaglint.detection.named_detectors.NAMES``), or ``package.module:function``.
+    #: Name (``seaglint.detection.named_detectors.NAMES``), path of a function, or a detector itself.
+    detector: str | Detector = "threshold"
     filter: Filter = field(default_factory=Unfiltered)  #: Filter before the detector.
     threshold: float = 4.0  #: Threshold in the unit of ``law``.
     law: Law = "sigma"  #: Law of the threshold, see ``seaglint.detection.background.Threshold``.
@@ -53,7 +54,7 @@ class DetectionOptions:
     frame_rate: float | None = None  #: Frames per second [Hz], for rates in time.
     #: Angle between rows and between columns [deg], for rates per square degree and errors in angle.
     pixel_deg: tuple[float, float] | None = None
-    time_limit: float = TIME_LIMIT  #: Longest time of a call of a user's detector [s].
+    time_limit: float = TIME_LIMIT  #: Longest time of a call of a user's detector [s], see ``seaglint.detection.isolated.running``.
     #: Condition to stop before all objects are tried (``seaglint.detection.trials.run_trials``).
     enough: Callable[[Sequence[int]], str | None] | None = None
 
@@ -291,8 +292,7 @@ def detect(
             curve, events = alarms.alarms.curve(), alarms.alarms.events(LOWEST_THRESHOLD)
             tail = tail_above(background, threshold.law, curve, events, seed=options.objects.seed)
     finally:
-        if isinstance(detector, IsolatedDetector):
-            detector.close()
+        ended(detector)
     detections = tuple(alarms.cells.detection_interval(s, options.level) for s in trials.scores)
     return Performance(
         source=name,
@@ -317,7 +317,8 @@ def as_given(source: FrameSource, options: DetectionOptions) -> FrameSource:
     A recording subtracts a level from its frames for the sake of precision (``seaglint.analysis.Recording.offset``). Fixed thresholds
     of statistics that are not linear, a user's function and the ratio of exponential clutter need the level.
     """
-    needs_level = ":" in options.detector or "exponential" in options.detector
+    given = options.detector
+    needs_level = (":" in given or "exponential" in given) if isinstance(given, str) else not given.linear
     plain = isinstance(options.filter, Unfiltered)
     return Rescaled(source, level=source.offset) if source.offset and plain and needs_level else source
 
@@ -331,10 +332,11 @@ def detector_for(source: FrameSource, options: DetectionOptions) -> Detector:
         chosen = np.unique(np.linspace(0, source.frames - 1, min(most, source.frames)).astype(int))
         return options.filter.apply(np.concatenate([source.read(int(k), int(k) + 1) for k in chosen]))
 
-    if ":" in options.detector:
-        detector: Detector = IsolatedDetector(options.detector, options.time_limit)
-    else:
+    detector: Detector
+    if isinstance(options.detector, str) and ":" not in options.detector:
         detector = named_for(options.detector, options.objects.shape, background)
+    else:
+        detector = running(options.detector, options.time_limit)
     if isinstance(options.filter, Unfiltered):
         return detector
     # A filter before the plain threshold is that detector's own filter, and the result has its linearity.

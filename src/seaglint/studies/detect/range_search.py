@@ -302,7 +302,7 @@ def _placed(whole: Scenario, request: RangeRequest, scenes: RangeScenes, in_view
         raise DataError(f"object '{name}' is hidden behind waves in all of {request.seas} seas")
     if np.count_nonzero(shares) < in_view * shares.size:
         raise DataError(f"object '{name}' is hidden behind waves in {np.count_nonzero(shares == 0.0)} of {request.seas} seas")
-    length = lead_of(request.detector_name, request.time_limit, target.shape) + 1
+    length = lead_of(request.stated_detector, request.time_limit, target.shape) + 1
     seas, source = scenes.seas(scene), scenes.frames(scene, length, request.seas)
     background, first, end = background_of(seas, round(target.row), target.shape.half)
     near: FrameSource = NearRows(source, first, end)
@@ -361,7 +361,7 @@ def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: f
             background=placed.background,
             horizon_rows=placed.horizon_rows,
             window_rows=performance.detector.reach,
-            detector=options.detector,
+            detector=request.detector_name,
         )
     parts.keep_case(key, point.as_dict())
     return point

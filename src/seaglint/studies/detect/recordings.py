@@ -32,7 +32,7 @@ from seaglint.studies.detect.performance import (
     false_alarm_map,
 )
 from seaglint.studies.detect.study import Study, with_settings
-from seaglint.studies.detect.varied_cases import STUDY_KEYS
+from seaglint.studies.detect.varied_cases import STUDY_KEYS, with_names
 
 if TYPE_CHECKING:
     from seaglint.studies.detect.detection_requests import SpotRequest
@@ -138,7 +138,7 @@ def run_recording(
     """
     cases: list[DetectionCase] = []
     for number, setting in enumerate(settings):
-        case = DetectionCase(setting)
+        case = DetectionCase(with_names(setting))
         try:
             shown = _shown(progress, number, len(settings))
             performance = detect(source, with_settings(options, setting), name=source.source, progress=shown)

@@ -13,7 +13,8 @@ import numpy as np
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import SeaglintError
 from seaglint.cluster import Workers
-from seaglint.detection.isolated import IsolatedDetector
+from seaglint.detection.interface import Detector
+from seaglint.detection.isolated import IsolatedDetector, ended
 from seaglint.detection.named_detectors import named_for
 from seaglint.detection.sources import Rescaled
 from seaglint.detection.spot import GaussianSpot, SpotShape
@@ -21,7 +22,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.store.detection_results import DetectorResult, StudyParts
 from seaglint.studies.detect.designer import design
 from seaglint.studies.detect.injected import SWEEP, Strength, object_signal, point_shape
-from seaglint.studies.detect.performance import Performance, characteristic, chips, detect, false_alarm_map
+from seaglint.studies.detect.performance import Performance, characteristic, chips, detect, detector_for, false_alarm_map
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
 if TYPE_CHECKING:
@@ -48,8 +49,10 @@ class Clock:
         return self.budget is not None and self.now() - self.begin >= self.budget
 
 
-def lead_of(detector: str, time_limit: float, shape: SpotShape) -> int:
-    """Return the number of earlier frames that a detector needs [frames]; a user's detector is started for it."""
+def lead_of(detector: str | Detector, time_limit: float, shape: SpotShape) -> int:
+    """Return the number of earlier frames that a detector needs [frames]; a path of a user's detector is imported for it."""
+    if not isinstance(detector, str):
+        return detector.lead
     if ":" in detector:
         isolated = IsolatedDetector(detector, time_limit)
         isolated.close()
@@ -93,7 +96,7 @@ def run_scene(
     clock = clock or Clock(None)
     seas = IndependentSeas.of(scenario)
     shape, share, own = injected(scenario, request, seas)
-    length = lead_of(request.detector_name, request.time_limit, shape) + 1
+    length = lead_of(request.stated_detector, request.time_limit, shape) + 1
     source = SceneFrames(seas, parts.frames(frames_key(scenario, length)), length, workers=workers)
     if progress is not None:
         progress(source.count, request.seas)
@@ -107,6 +110,13 @@ def run_scene(
     judged = Rescaled(source, -1.0) if sign < 0.0 else source
     contrasts = tuple(sign * share * c for c in aperture)
     options = request.detection(contrasts, scenario.sensor.frame_rate_hz, seas.pixel_deg, shape)
+    if not isinstance(options.detector, str) or ":" in options.detector:
+        # A user's detector that fails is reported before all seas are rendered.
+        tried = detector_for(judged, options)
+        try:
+            tried(judged.read(0, length))
+        finally:
+            ended(tried)
     precise = request.precision is not None or request.precision_fa is not None
     target = min(FIRST_SEAS, request.seas) if precise else request.seas
 

@@ -13,12 +13,13 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from seaglint.base.conventions import Progress
-from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.errors import DataError, DomainError, ScenarioError, SeaglintError
 from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.representation import card, notes, table
 from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
 from seaglint.clutter.filters import named as named_filter
+from seaglint.detection.interface import Detector
 from seaglint.store.detection_results import DetectionCase, DetectionRange, StudyParts
 from seaglint.studies.detect.detection_requests import CasesRequest, RangeRequest, SceneRequest
 from seaglint.studies.detect.performance import DetectionOptions
@@ -95,8 +96,8 @@ def with_settings(options: Options, settings: Mapping[str, Any]) -> Options:
         A threshold that is no number, or an unknown filter.
     """
     changes: dict[str, Any] = {}
-    if "detector" in settings:
-        changes["detector"] = str(settings["detector"])
+    if settings.get("detector") is not None:
+        changes["detector"] = settings["detector"] if isinstance(settings["detector"], Detector) else str(settings["detector"])
     if "filter" in settings:
         changes["filter"] = named_filter(str(settings["filter"]))
     if "threshold" in settings:
@@ -242,45 +243,70 @@ def ranges_of(
     if workers is None or len(searches) == 1:
         search = range_searcher(settings, workers, report)
         for number, one in enumerate(searches):
-            found[number], _ = search((number, *one))
+            found[number] = search(RangeUnit(number, *one))
             shown(len(found), len(searches))
     else:
-        with workers.map(Job(range_searcher, settings), [(number, *one) for number, one in enumerate(searches)]) as outcomes:
+        units = [RangeUnit(number, *one) for number, one in enumerate(searches)]
+        with workers.map(Job(search_worker, settings), units) as outcomes:
             for outcome in outcomes:
-                found[outcome.unit[0]], lines = record_of(outcome)
+                result, lines = record_of(outcome)
                 for line in lines:
                     report(line)
+                if isinstance(result, SeaglintError):
+                    raise result
+                found[outcome.unit.number] = result
                 shown(len(found), len(searches))
     return [found[number] for number in range(len(searches))]
 
 
-RangeUnit = tuple[int, StudyCase, float | None]  #: Number of a search, its case, and the bearing from the Sun [deg].
+@dataclass(frozen=True)
+class RangeUnit:
+    """One search of a range."""
+
+    number: int  #: Number of the search.
+    case: StudyCase  #: Case of the study.
+    bearing_deg: float | None  #: Bearing from the Sun [deg].
+
+    def __repr__(self) -> str:
+        """Return a few words, which errors of workers contain."""
+        bearing = "" if self.bearing_deg is None else f", {self.bearing_deg:g} deg from the Sun"
+        return f"search {self.number}{bearing}"
+
+
+RangeSettings = tuple[RangeRequest, StudyParts]  #: Request, whose object is named, and store of a search.
 
 
 def range_searcher(
-    settings: tuple[RangeRequest, StudyParts], workers: Workers | None = None, report: Callable[[str], None] = lambda text: None
-) -> Callable[[RangeUnit], tuple[DetectionRange, list[str]]]:
-    """Return a function that searches a range, and returns it with the lines that it reported.
-
-    ``settings`` are the request, whose object is named, and the store.
-    """
+    settings: RangeSettings, workers: Workers | None = None, report: Callable[[str], None] = lambda text: None
+) -> Callable[[RangeUnit], DetectionRange]:
+    """Return a function that searches a range; a stored range is returned unchanged."""
     request, parts = settings
 
-    def search(unit: RangeUnit) -> tuple[DetectionRange, list[str]]:
-        number, case, bearing = unit
-        lines: list[str] = []
-
-        def note(line: str) -> None:
-            lines.append(line)
-            report(line)
-
-        own, inner = with_settings(request, case.study), parts.within(f"range-{number:04d}")
+    def search(unit: RangeUnit) -> DetectionRange:
+        case, bearing = unit.case, unit.bearing_deg
+        own, inner = with_settings(request, case.study), parts.within(f"range-{unit.number:04d}")
         content = pickle.dumps((case.scenario.model_dump_json(), bearing, own.settings, own.object, own.limits, own.share), protocol=5)
         key = f"found-{hashlib.sha256(content).hexdigest()[:16]}"
         if (stored := inner.case(key)) is not None:
-            return replace(DetectionRange.of(stored), parameters=case.parameters), lines
-        result = detection_range(case.scenario, own, inner, bearing_deg=bearing, report=note, workers=workers)
+            return replace(DetectionRange.of(stored), parameters=case.parameters)
+        result = detection_range(case.scenario, own, inner, bearing_deg=bearing, report=report, workers=workers)
         inner.keep_case(key, result.as_dict())
-        return replace(result, parameters=case.parameters), lines
+        return replace(result, parameters=case.parameters)
+
+    return search
+
+
+def search_worker(settings: RangeSettings) -> Callable[[RangeUnit], tuple[DetectionRange | SeaglintError, list[str]]]:
+    """Return a function of a worker that returns a range, or the error that the user's input raises, with the reported lines.
+
+    Such an error is final: the unit is not tried again elsewhere.
+    """
+
+    def search(unit: RangeUnit) -> tuple[DetectionRange | SeaglintError, list[str]]:
+        lines: list[str] = []
+        try:
+            return range_searcher(settings, report=lines.append)(unit), lines
+        except (DataError, DomainError, ScenarioError) as error:
+            return error, lines
 
     return search

@@ -76,6 +76,7 @@ def cases_of(
     for (row, where), chosen in itertools.product(rows, combined):
         parameters = {**row, **dict(chosen)}
         study = {key: parameters[key] for key in STUDY_KEYS if key in parameters}
+        parameters = with_names(parameters)
         changed = copy.deepcopy(raw)
         named = ", ".join(f"{key} = {value}" for key, value in parameters.items())
         name = f"{path}{where}" + (f" with {named}" if named else "")
@@ -84,6 +85,12 @@ def cases_of(
                 set_key(changed, key, value, name)
         out.append(StudyCase(parameters, parse_scenario(changed, name=name, base=base), study))
     return out
+
+
+def with_names(parameters: TomlTables) -> TomlTables:
+    """Return the parameters of a case with a detector that is an object by its name."""
+    detector = parameters.get("detector")
+    return parameters if detector is None or isinstance(detector, str) else {**parameters, "detector": getattr(detector, "name", detector)}
 
 
 def _rows(table: Path) -> list[tuple[TomlTables, str]]:
