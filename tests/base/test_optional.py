@@ -16,7 +16,7 @@ from seaglint.base.optional import REQUIREMENTS, missing, optional, remedy, requ
 from seaglint.cli.doctor import EXTRAS
 
 ROOT = Path(__file__).resolve().parents[2]
-DEVELOPERS = {"dev", "bench", "docs", "bands"}
+DEVELOPERS = {"dev", "bench", "docs", "bands", "readers"}
 """Extras of which no message speaks."""
 
 NAMES = [text.split(">=")[0] for text in REQUIREMENTS]

@@ -348,8 +348,7 @@ def ensemble(
 
 @documented(
     DatasetRequest,
-    formats="``coco``, ``yolo``, ``sirst``, for sequences ``coco-video``, ``mot`` or ``nudt-mirsdt``, or ``zarr``: the scenes' stores as "
-    "they are",
+    formats="``coco``, ``yolo``, ``sirst``, ``coco-video``, ``mot``, ``nudt-mirsdt`` or ``zarr``: the scenes' stores as they are",
 )
 def dataset(
     source: str | Path,
