@@ -21,7 +21,7 @@ from seaglint.cluster import ThisProcess
 from seaglint.formats.dataset import dataset_writing
 from seaglint.formats.dataset.dataset_writing import pieces
 from seaglint.formats.dataset.grey_pictures import compressed, decoded, expanded, read_about
-from seaglint.formats.dataset.scene_records import SPLITS, split_of
+from seaglint.formats.dataset.scene_records import SPLITS, splits_of
 from seaglint.formats.object_labels import Label, run_lengths
 from seaglint.scenario.records.ensemble_tables import Dataset
 from seaglint.store.sequence_store import Interrupted

@@ -358,6 +358,8 @@ def dataset(
     format: str = "coco",
     bits: int | None = None,
     image: str | None = None,
+    masks: str = "response",
+    min_snr: float | None = None,
     workers: int | Workers | None = None,
     threads: int | None = None,
     resume: bool = False,
@@ -414,7 +416,8 @@ def dataset(
         return given
     if output is None:
         raise DataError("output is missing: the folder of the data set; give one, or check=True for a data set that is there")
-    resolved, options = read_source(given), DatasetRequest(format=format, bits=bits, image=image).options()
+    resolved, request = read_source(given), DatasetRequest(format=format, bits=bits, image=image, masks=masks, min_snr=min_snr)
+    options = request.options()
     with team_of(workers, threads) as others:
         ensemble_dataset(resolved, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
     return Path(output)

@@ -97,7 +97,7 @@ def _bits() -> str:
 Command = derived_help(formats=_formats, bits=_bits)
 
 
-@takes_records(order="source output format bits image workers dask dask_slurm threads resume overwrite check show")
+@takes_records(order="source output format bits image masks min_snr workers dask dask_slurm threads resume overwrite check show")
 def dataset(
     source: Annotated[
         Path, typer.Argument(metavar="ENSEMBLE.toml", help="ensemble file, or the folder of a rendered one; with --check a data set")
@@ -139,8 +139,13 @@ def dataset(
             overwrite=request.overwrite,
             progress=report,
         )
-    statistics = read_about(output)["statistics"]
+    about = read_about(output)
+    statistics = about["statistics"]
     images, objects = (sum(statistics[name].values()) for name in ("images", "annotated_objects"))
+    ignored = sum(statistics["ignored_objects"].values())
+    if ignored:
+        least = f"{about['min_snr']:g}"
+        log(f"{output}: {ignored} of {objects} annotated objects have a signal-to-noise ratio below {least} and are marked ignore")
     log(f"{output}: {images} images with {objects} annotated objects, checked; {output / 'README.md'} says what is in it")
 
 

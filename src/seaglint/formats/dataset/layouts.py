@@ -31,6 +31,7 @@ from seaglint.formats.dataset.scene_records import (
     DatasetScene,
     Piece,
 )
+from seaglint.formats.object_labels import RESPONSE
 from seaglint.formats.tables.table_text import read_rows
 from seaglint.store.outputs import read_json, write_json, write_text
 
@@ -126,8 +127,9 @@ def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> JsonObj
     return {
         "bbox": list(piece.box),
         "area": piece.area,
-        # a mask as run lengths is of one object: 1 would mark a crowd, which scores leave out
-        "iscrowd": 0,
+        # COCOeval honours ``iscrowd`` and sets ``ignore`` from it; other programs read ``ignore``
+        "iscrowd": int(part.ignores(row)),
+        "ignore": int(part.ignores(row)),
         "segmentation": {"size": list(part.shape), "counts": piece.counts},
         "object": part.names[row.number],
         "object_id": row.number + 1,
@@ -138,7 +140,9 @@ def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> JsonObj
         "contrast_W_m2_sr": values["contrast_W_m2_sr"],
         "irradiance_W_m2": values["irradiance_W_m2"],
         "local_contrast_W_m2_sr": row.local_contrast,
+        "mean_snr": row.mean_snr,
         "snr": row.snr,
+        "difficulty": part.difficulty(row),
         "signal_to_clutter": values["signal_to_clutter"],
         "filled_px": values["pixels"],
         "attributes": {name: values[name] for name in ("visible_share", "occluded_share", "truncated_share")},
@@ -189,13 +193,13 @@ class Sirst(DatasetFormat):
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
         """Yield the faults of masks and lists, and of masks against the boxes of ``truth.csv``."""
         yield from _sirst_problems(folder, about["image"])
-        yield from _sirst_box_problems(folder)
+        yield from _sirst_box_problems(folder, about)
 
 
 def masks(part: DatasetScene) -> dict[str, NDArray[np.bool_]]:
-    """Return the mask of all objects by picture."""
+    """Return the mask of all objects that are not ignored by picture."""
     out = {picture.name: np.zeros(part.shape, bool) for picture in part.pictures}
-    for row in part.rows:
+    for row in (row for row in part.rows if not part.ignores(row)):
         for piece in row.pieces:
             out[part.pictures[row.frame].name] |= decoded(piece.counts, part.shape)
     return out
@@ -220,13 +224,14 @@ def _sirst_problems(folder: Path, image: str) -> Iterator[str]:
             yield f"masks/{name}.png: is not of the picture's size, or has other values than 0 and 255"
 
 
-def _sirst_box_problems(folder: Path) -> Iterator[str]:
+def _sirst_box_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
     """Yield masks that are empty in an annotated object's box, or not empty outside of all boxes."""
     boxes: dict[str, list[tuple[int, int, int, int]]] = {}
     for row in read_rows(folder / "truth.csv"):
         annotated = boxes.setdefault(row["image"], [])
-        if row["annotated"] == "True":
-            left, top, width, height = (int(float(row[f"bbox_{side}_px"])) for side in ("left", "top", "width", "height"))
+        if row["annotated"] == "True" and row["ignore"] == "False":
+            prefix = "response" if about["scenes"][row["scene"]]["masks"] == RESPONSE else "bbox"
+            left, top, width, height = (int(float(row[f"{prefix}_{side}_px"])) for side in ("left", "top", "width", "height"))
             annotated.append((left, top, width, height))
     for path in sorted((folder / "masks").glob("*.png")):
         mask = read_picture(path) > 0
@@ -352,7 +357,7 @@ def _lines(part: DatasetScene, numbers: dict[str, int]) -> dict[str, list[str]]:
     """Return lines ``class x y width height`` by picture: middle and size of boxes over the size of the picture."""
     rows, columns = part.shape
     lines: dict[str, list[str]] = {picture.name: [] for picture in part.pictures}
-    for row in part.rows:
+    for row in (row for row in part.rows if not part.ignores(row)):
         for left, top, width, height in (piece.box for piece in row.pieces):
             box = ((left + 0.5 * width) / columns, (top + 0.5 * height) / rows, width / columns, height / rows)
             # 8 digits: a hundredth of a pixel in pictures of a million

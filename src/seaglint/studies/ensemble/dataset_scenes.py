@@ -22,6 +22,7 @@ from seaglint.formats.dataset import format_named
 from seaglint.formats.dataset.dataset_writing import ConversionSettings, convert
 from seaglint.formats.dataset.labelled_scene import LabelledScene
 from seaglint.formats.dataset.scene_records import Entry, part_path
+from seaglint.formats.object_labels import RESPONSE
 from seaglint.scenario.load import load_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.store.layout import BITS
@@ -96,14 +97,14 @@ def start(settings: SceneSettings) -> Callable[[Entry], str]:
     folder, form = Path(conversion.folder), format_named(conversion.format)
 
     def of_store(entry: Entry) -> str:
-        with LabelledScene.stored(Path(entry.store)) as scene:
+        with LabelledScene.stored(Path(entry.store), conversion.masks) as scene:
             return convert(entry, scene, conversion).scene
 
     def rendered(entry: Entry, drawn: Rendering) -> str:
         source, store = Folder(drawn.folder).scenario(entry.name), Path(entry.store)
         scenario = load_scenario(source)
         if form.pictures and is_short(scenario):
-            return convert(entry, held_scene(scenario, source, drawn.threads, cached), conversion).scene
+            return convert(entry, held_scene(scenario, source, drawn.threads, cached, conversion.masks), conversion).scene
         if not store.exists():
             render_scene(scenario, store, drawn.threads, cached)
         name = of_store(entry)
@@ -127,11 +128,12 @@ def start(settings: SceneSettings) -> Callable[[Entry], str]:
 def is_short(scenario: Scenario) -> bool:
     """Return True for a scene that is held in memory until its pictures are written."""
     columns, rows = scenario.sensor.pixels
-    pixel = 4 + 8 * -(-len(scenario.objects or ()) // BITS)  # radiance or counts, and planes of masks
+    kinds = 2 if scenario.sensor.senses else 1
+    pixel = 4 + 8 * kinds * -(-len(scenario.objects or ()) // BITS)  # radiance or counts, and planes of masks
     return scenario.sensor.frames <= MOST_FRAMES and scenario.sensor.frames * columns * rows * pixel <= MOST_BYTES
 
 
-def held_scene(scenario: Scenario, source: Path, threads: int | None, cached: SceneCache) -> LabelledScene:
+def held_scene(scenario: Scenario, source: Path, threads: int | None, cached: SceneCache, masks: str = RESPONSE) -> LabelledScene:
     """Draw the frames of a scene, as ``render_scene`` does, and hold them in memory.
 
     Raises
@@ -148,4 +150,4 @@ def held_scene(scenario: Scenario, source: Path, threads: int | None, cached: Sc
                     raise KeyboardInterrupt
                 yield run.images(number)
 
-        return LabelledScene.held(source, run.layout, frames())
+        return LabelledScene.held(source, run.layout, frames(), masks)

@@ -6,21 +6,24 @@ A data set is written scene by scene in ``OUTPUT.partial``, checked, and renamed
 from __future__ import annotations
 
 import hashlib
+import math
 import shutil
 import tomllib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.reports import REPORTS
 from seaglint.cluster import Workers
 from seaglint.formats.dataset import dataset_writing, format_named
 from seaglint.formats.dataset.dataset_writing import ABOUT, ConversionSettings, finish
 from seaglint.formats.dataset.grey_pictures import Bits, ImageKind
-from seaglint.formats.dataset.scene_records import FOLDER, Catalogue, DatasetScene, Entry, split_of
+from seaglint.formats.dataset.scene_records import FOLDER, LEAST_SNR, SPLITS, Catalogue, DatasetScene, Entry, splits_of
+from seaglint.formats.object_labels import RESPONSE, require_masks
 from seaglint.scenario.ensemble_file import Ensemble, load_ensemble, read_toml
 from seaglint.scenario.records.ensemble_tables import Dataset
 from seaglint.store import outputs
@@ -51,15 +54,19 @@ class DatasetOptions:
     format: str  #: Name of one of ``seaglint.formats.dataset.FORMATS``.
     bits: Bits  #: Bits of a pixel.
     image: ImageKind  #: Kind of picture: ``png`` or ``tiff``.
+    masks: str = RESPONSE  #: Kind of masks, one of ``seaglint.formats.object_labels.MASKS``.
+    min_snr: float | None = None  #: Signal-to-noise ratio below which objects are ignored; None for that of the ensemble.
 
     @classmethod
-    def of(cls, form: str, bits: int | None = None, image: str | None = None) -> DatasetOptions:
+    def of(
+        cls, form: str, bits: int | None = None, image: str | None = None, *, masks: str = RESPONSE, min_snr: float | None = None
+    ) -> DatasetOptions:
         """Return checked options.
 
         Raises
         ------
         DataError
-            An unknown format, number of bits or kind of picture.
+            An unknown format, number of bits, kind of picture or of masks, or a ratio below 0.
         """
         chosen = format_named(form)
         if not chosen.pictures and (bits is not None or image is not None):
@@ -68,7 +75,9 @@ class DatasetOptions:
             raise DataError(f"bits = {bits}: is neither 8 nor 16; give one of them")
         if image not in (None, "png", "tiff"):
             raise DataError(f"image = {image!r}: is not one of png, tiff; give one of them")
-        return cls(form, bits or chosen.bits, image or "png")  # type: ignore[arg-type]
+        if min_snr is not None and not 0.0 <= min_snr < math.inf:
+            raise DataError(f"min_snr = {min_snr:g}: is no signal-to-noise ratio; give 0, which ignores nothing, or more")
+        return cls(form, bits or chosen.bits, image or "png", require_masks(masks), min_snr)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -152,7 +161,7 @@ def make_dataset(
     workers : Workers, optional
         Workers that render and write the scenes; this process by default. The bytes do not depend on it.
     resume : bool
-        Continue an unfinished data set. A complete one is left unchanged.
+        Continue an unfinished data set, also with another ``min_snr``. A complete one is left unchanged.
     overwrite : bool
         Replace a data set once the new one is complete.
     progress : callable, optional
@@ -161,7 +170,8 @@ def make_dataset(
     Raises
     ------
     DataError
-        The output may not be written, another process writes it, another ensemble is resumed, or scenes failed.
+        The output may not be written, another process writes it, another ensemble is resumed, scenes failed, or no object reaches the
+        requested ``min_snr``.
     StorageError
         No room or no rights; finished scenes stay.
     Interrupted
@@ -182,9 +192,19 @@ def make_dataset(
             return output
         _begin(partial, made_from, plan.source)
         entries = scenes(partial)
-        settings = ConversionSettings(str(partial.absolute()), options.format, options.bits, options.image, dict(plan.table.classes))
+        settings = ConversionSettings(
+            folder=str(partial.absolute()),
+            format=options.format,
+            bits=options.bits,
+            image=options.image,
+            classes=dict(plan.table.classes),
+            masks=options.masks,
+            min_snr=made_from["min_snr"],
+        )
         write_scenes(SceneSettings(settings, rendering), entries, Folder(partial / SCENES), workers, progress)
-        parts = [DatasetScene.read(partial, entry.name) for entry in entries]
+        parts = [_labelled(partial, DatasetScene.read(partial, entry.name), settings) for entry in entries]
+        _report_masks(parts, settings)
+        _require_visible(parts, settings.min_snr, partial, requested=_requested_snr(plan, options) is not None)
         catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.image, parts)
         table = plan.table
         about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": made_from}
@@ -195,11 +215,58 @@ def make_dataset(
     return output
 
 
+def _requested_snr(plan: DatasetPlan, options: DatasetOptions) -> float | None:
+    """Return the least signal-to-noise ratio that a user has given; None without one."""
+    return plan.table.min_snr if options.min_snr is None else options.min_snr
+
+
+def _labelled(partial: Path, part: DatasetScene, settings: ConversionSettings) -> DatasetScene:
+    """Return a scene with the requested ``min_snr``: labels of one that was written with another are written again, no picture is."""
+    if part.min_snr == settings.min_snr:
+        return part
+    part = replace(part, min_snr=settings.min_snr)
+    format_named(settings.format).write_scene(partial, part)
+    part.write(partial)
+    return part
+
+
+def _report_masks(parts: Sequence[DatasetScene], settings: ConversionSettings) -> None:
+    """Report scenes that have geometric masks in place of responses after the optics."""
+    with_objects = [part for part in parts if part.names]
+    plain = sum(part.masks != settings.masks for part in with_objects)
+    if plain:
+        text = "%d of %d scenes with objects have geometric masks, as they were rendered without [sensor.optics] and [sensor.detector]"
+        REPORTS.warning(text, plain, len(with_objects))
+
+
+def _require_visible(parts: Sequence[DatasetScene], least: float, partial: Path, *, requested: bool) -> None:
+    """Refuse a requested ``min_snr`` that no object reaches, and report the default one if no object reaches it.
+
+    Raises
+    ------
+    DataError
+        All objects with a known ratio are below it.
+    """
+    known = [(row.snr, part, row) for part in parts for row in part.rows if row.pieces and row.snr is not None]
+    if not known or len(known) < sum(bool(row.pieces) for part in parts for row in part.rows):
+        return
+    highest, part, row = max(known, key=lambda one: one[0])
+    if highest >= least:
+        return
+    where = f"'{part.names[row.number]}' in {part.pictures[row.frame].name}"
+    text = f"min_snr = {least:g} leaves no object: the highest signal-to-noise ratio is {highest:.4g} ({where})"
+    if requested:
+        raise DataError(f"{text}; lower it and go on with resume=True, which renders nothing again: the scenes stay in {partial}")
+    REPORTS.warning("%s, and all %d are marked ignore; give a lower min_snr, or nearer or warmer objects", text, len(known))
+
+
 def _settings(plan: DatasetPlan, options: DatasetOptions) -> JsonObject:
     """Return the settings that both runs of a resumed data set must share."""
     digest = hashlib.sha256(plan.source.encode("utf-8")).hexdigest()
     shown = {"bits": options.bits, "image": options.image} if format_named(options.format).pictures else {}
-    return {"format": options.format, **shown, "version": __version__, "ensemble": digest}
+    given = _requested_snr(plan, options)
+    labels = {"masks": options.masks, "min_snr": LEAST_SNR if given is None else given}
+    return {"format": options.format, **shown, **labels, "version": __version__, "ensemble": digest}
 
 
 def _require_same(old: Any, new: JsonObject, where: Path, source: str) -> None:
@@ -227,7 +294,11 @@ def _begin(partial: Path, made_from: JsonObject, source: str) -> None:
     """Make the folder, or check that an unfinished one has the same settings."""
     path = partial / FOLDER / _SETTINGS
     if path.is_file():
-        _require_same(outputs.read_json(path, "start again with overwrite=True"), made_from, partial, source)
+        begun = outputs.read_json(path, "start again with overwrite=True")
+        # Records of scenes hold for any least ratio.
+        _require_same({**begun, "min_snr": made_from["min_snr"]}, made_from, partial, source)
+        if begun != made_from:
+            outputs.write_json(made_from, path)
     else:
         if partial.exists():
             _require_ours(partial)
@@ -338,13 +409,14 @@ def ensemble_dataset(
         if source.folder is None:
             require_memory_of_all(scene.scenario for scene in drawn)
             if not resume:
-                report_weak(drawn)
+                given = options.min_snr if options.min_snr is not None else table.min_snr
+                report_weak(drawn, LEAST_SNR if given is None else given)
             render_ensemble(ensemble, folder.path, resume=True, draw_only=True)
             if workers is not None:
                 report_air(drawn[0].scenario, band(drawn[0].scenario))
-        return [
-            Entry(scene.label, str(store(partial, scene.label)), split_of(seed, scene.number, table.split), scene.row) for scene in drawn
-        ]
+        splits = splits_of(seed, len(drawn), table.split)
+        report_splits(splits, table.split)
+        return [Entry(scene.label, str(store(partial, scene.label)), split, scene.row) for scene, split in zip(drawn, splits, strict=True)]
 
     return make_dataset(
         output,
@@ -357,6 +429,15 @@ def ensemble_dataset(
         overwrite=overwrite,
         progress=progress,
     )
+
+
+def report_splits(splits: Sequence[str], fractions: tuple[float, float, float]) -> None:
+    """Report splits that have a share and no scene, because there are too few scenes."""
+    shares = dict(zip(SPLITS, fractions, strict=True))
+    if empty := [name for name in SPLITS if shares[name] > 0.0 and name not in splits]:
+        least = sum(share > 0.0 for share in fractions)
+        text = "%d scene%s cannot serve all splits: %s has none; draw %d scenes or more, or set its share in dataset.split to 0"
+        REPORTS.warning(text, len(splits), "" if len(splits) == 1 else "s", " and ".join(empty), least)
 
 
 def _require_rendered(folder: Folder, labels: Sequence[str]) -> None:

@@ -40,9 +40,18 @@ class DatasetRequest(ScenesRequest):
     format: Annotated[str, Parameter("{formats}")] = "coco"
     bits: Annotated[int | None, Parameter("8 or 16 bits of a pixel; {bits}")] = None
     image: Annotated[str | None, Parameter("png or tiff; default: png")] = None
+    masks: Annotated[
+        str, Parameter("masks and boxes: response, of an object after the optics, or geometric: pixels that it touches at the aperture")
+    ] = "response"
+    min_snr: Annotated[
+        float | None,
+        Parameter(
+            "signal-to-noise ratio below which objects are marked ignore; default: dataset.min_snr of the ensemble, else 1", least=0.0
+        ),
+    ] = None
 
     def options(self) -> DatasetOptions:
         """Return the checked format and pictures of the data set."""
         from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions
 
-        return DatasetOptions.of(self.format, self.bits, self.image)
+        return DatasetOptions.of(self.format, self.bits, self.image, masks=self.masks, min_snr=self.min_snr)
