@@ -49,7 +49,7 @@ class Label:
     masks: str = GEOMETRIC  #: Kind of the mask.
 
     def side(self, name: str) -> float:
-        """Return ``left``, ``top``, ``width`` or ``height`` of the mask's box [px]; across the seam of a panorama it is beyond the right edge."""
+        """Return ``left``, ``top``, ``width`` or ``height`` of the mask's box [px]; across a panorama's seam it ends beyond the edge."""
         return self.values[f"{'response' if self.masks == RESPONSE else 'bbox'}_{name}_px"]
 
 

@@ -38,6 +38,7 @@ class CountedChange:
 
     rows: NDArray[np.int64]  #: Rows of the window [(rows, 1)].
     columns: NDArray[np.int64]  #: Columns of the window, which in a panorama may continue across the seam [(1, columns)].
+    light: FloatArray  #: Change of the radiance on the pixels [W m-2 sr-1, (rows, columns)].
     added: FloatArray  #: Change [units, (rows, columns)].
     radiance: FloatArray  #: Radiance on the pixels, with objects [W m-2 sr-1, (rows, columns)].
     width: int  #: Columns of the picture.
@@ -72,7 +73,7 @@ def counted_changes(
             light = light * cos4_falloff(np.zeros(x.size) if model.scanning else x, y)
         radiance = seen[j, i % columns].astype(np.float64)
         with_it, without = (np.clip(line.units(np.maximum(view, 0.0)), None, line.full_scale) for view in (radiance, radiance - light))
-        out.append(CountedChange(j, i, with_it - without, radiance, columns))
+        out.append(CountedChange(j, i, light, with_it - without, radiance, columns))
     return tuple(out)
 
 
@@ -114,8 +115,8 @@ def response_masks(
 ) -> list[NDArray[np.bool_]]:
     """Return the mask of each object's response after the optics.
 
-    An object that changes no count has the mask of the pixels that it touches, and an object that touches no pixel of the picture has none:
-    of light that comes in from outside the picture the peak is not known.
+    An object has the mask of the pixels that it touches if the pixel of its most light does not change, being saturated without it. An object that touches no pixel of the picture has none: of light that comes in from outside the picture the peak is
+    not known.
 
     Parameters
     ----------
@@ -131,8 +132,12 @@ def response_masks(
         if change is None or not outline.any() or not change.added.any():
             out.append(outline)
             continue
+        # Of a bright target all saturated pixels have nearly the largest change; before a saturated sea the middle has none.
+        size, light = np.abs(change.added), np.abs(change.light)
+        if size.flat[int(light.argmax())] < share * size.max():
+            out.append(outline)
+            continue
         mask = full.copy()
-        size = np.abs(change.added)
         j, i = np.nonzero(size >= share * size.max())
         mask[change.rows[j, 0], change.columns[0, i] % change.width] = True
         out.append(mask)
