@@ -115,8 +115,8 @@ def response_masks(
 ) -> list[NDArray[np.bool_]]:
     """Return the mask of each object's response after the optics.
 
-    An object has the mask of the pixels that it touches if the pixel of its most light does not change, being saturated without it. An object that touches no pixel of the picture has none: of light that comes in from outside the picture the peak is
-    not known.
+    An object has the mask of the pixels that it touches if the pixel of its most light does not change, being saturated without it. An
+    object that touches no pixel of the picture has none: of light that comes in from outside the picture the peak is not known.
 
     Parameters
     ----------
