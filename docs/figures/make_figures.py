@@ -191,13 +191,13 @@ def response_masks(folder: Path) -> Path:
     picture = Figure(figsize=(8.0, 2.2), layout="constrained")
     counts = frame.signal.to_numpy().astype(float)
     for axes, name, title in zip(picture.subplots(1, 2), ("masks", "response_masks"), ("geometric", "response"), strict=True):
-        axes.imshow(np.log(counts), cmap="gray", interpolation="nearest")
+        axes.imshow(counts, cmap="gray", interpolation="nearest", vmin=counts.min(), vmax=np.percentile(counts, 95))
         for mask in frame[name].to_numpy():
             # Edges of pixels, drawn on a grid so fine that contours follow them.
             fine = np.kron(np.pad(mask, 1), np.ones((12, 12)))
             places = [(np.arange(size) + 0.5) / 12 - 1.5 for size in fine.shape]
             axes.contour(places[1], places[0], fine, levels=[0.5], colors="#5aeb78", linewidths=1.2)
-        axes.set(title=title, xlabel="column [px]", ylabel="row [px]")
+        axes.set(title=title, xlabel="column [px]", ylabel="row [px]", xlim=(-0.5, 47.5), ylim=(19.5, -0.5))
         print(title, dict(zip(frame.names.to_numpy(), frame[name].sum(("y", "x")).to_numpy().tolist(), strict=True)))
     path = folder / "response_masks.png"
     save(picture, path)
