@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from seaglint.base.errors import DataError
 from seaglint.formats.object_labels import Labels
 from seaglint.scenario.ensemble_file import parse_ensemble
 from seaglint.scenario.load import parse_scenario
@@ -137,6 +138,8 @@ def test_stores_frames_and_labels_have_both_masks_and_a_scene_without_optics_one
             assert np.array_equal(label.mask, frame[name].to_numpy()[label.number])
             columns = np.flatnonzero(label.mask.any(axis=0))
             assert (label.side("left"), label.side("width")) == (columns.min(), np.ptp(columns) + 1)
+    with pytest.raises(DataError, match=r"^masks = 'outline': is not one of response, geometric"):
+        Labels.of(store, "outline")
     plain = {key: value for key, value in SENSOR.items() if key not in ("optics", "detector", "noise")} | {"fov_deg": [0.7, 0.5]}
     bare = render(parse_scenario({**TABLES, "sensor": plain, "objects": [POINT]}), tmp_path / "plain.zarr")
     assert Labels.of(bare).masks == "geometric"
