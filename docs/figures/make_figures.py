@@ -8,6 +8,7 @@
 ``near_horizon.png`` that of ``docs/data/near_horizon.csv``, ``clutter_*.png`` pictures of ``seaglint analyze --report`` of the demo's four
 seconds (which take some minutes to render), ``likelihood_regions.png`` glint in three regions of the sea, ``glint_atlas.png`` over the
 world in January and July (coastlines need the extra ``maps``), ``best_looks.png`` by bearing at one place and date,
+``response_masks.png`` geometric masks and masks of responses of four objects,
 ``dataset_examples.png`` the sheet of a data set of the first 18 scenes of ``examples/small-objects.toml`` (some minutes).
 
 ``video`` makes the first page's ten seconds of the demo (some minutes): ``docs/_static/demo.mp4`` with its picture ``demo.jpg``.
@@ -167,6 +168,42 @@ def dataset_examples(folder: Path) -> Path:
     return made / "examples.png"
 
 
+def response_masks(folder: Path) -> Path:
+    """Geometric masks and masks of responses of four objects before one camera; prints their pixels."""
+    import numpy as np
+    from matplotlib.figure import Figure
+
+    from seaglint.scenario.load import parse_scenario
+    from seaglint.studies.sequence.labelled_frames import frame_datasets
+
+    ball = {"temperature_k": 330, "north_m": -1200, "height_m": 2}
+    objects = [
+        {"name": "point", "shape": {"kind": "point", "intensity_w_sr": 2.0}, "north_m": -1200, "height_m": 2, "east_m": 5.0},
+        {**ball, "name": "streak", "shape": {"kind": "sphere", "radius_m": 0.2}, "east_m": 2.0, "course_deg": 90, "speed_m_s": 900},
+        {**ball, "name": "small", "shape": {"kind": "sphere", "radius_m": 0.2}, "east_m": -1.3},
+        {**ball, "name": "large", "shape": {"kind": "sphere", "radius_m": 1.2}, "east_m": -4.8},
+    ]
+    camera = {"pixels": [48, 20], "azimuth_deg": 180, "elevation_deg": -1.34, "height_m": 30, "projection": "pinhole", "frames": 1}
+    detector = {"pitch_um": 15, "fill_factor": 0.9, "integration_time_s": 0.002, "well_capacity_e": 8e6, "bit_depth": 14}
+    sensor = {**camera, "optics": {"focal_length_m": 0.05, "f_number": 3.5}, "detector": detector}
+    scenario = {"sensor": sensor, "band": {"min_um": 3.5, "max_um": 5.0}, "sun": {"azimuth_deg": 0}, "wind": {"speed_m_s": 4}}
+    (frame,) = frame_datasets(parse_scenario({**scenario, "objects": objects}))
+    picture = Figure(figsize=(8.0, 2.2), layout="constrained")
+    counts = frame.signal.to_numpy().astype(float)
+    for axes, name, title in zip(picture.subplots(1, 2), ("masks", "response_masks"), ("geometric", "response"), strict=True):
+        axes.imshow(counts, cmap="gray", interpolation="nearest", vmin=counts.min(), vmax=np.percentile(counts, 95))
+        for mask in frame[name].to_numpy():
+            # Edges of pixels, drawn on a grid so fine that contours follow them.
+            fine = np.kron(np.pad(mask, 1), np.ones((12, 12)))
+            places = [(np.arange(size) + 0.5) / 12 - 1.5 for size in fine.shape]
+            axes.contour(places[1], places[0], fine, levels=[0.5], colors="#5aeb78", linewidths=1.2)
+        axes.set(title=title, xlabel="column [px]", ylabel="row [px]", xlim=(-0.5, 47.5), ylim=(19.5, -0.5))
+        print(title, dict(zip(frame.names.to_numpy(), frame[name].sum(("y", "x")).to_numpy().tolist(), strict=True)))
+    path = folder / "response_masks.png"
+    save(picture, path)
+    return path
+
+
 def video(folder: Path) -> None:
     """Video of ten seconds of the demo, compressed for a page of the web, and its middle frame."""
     import av
@@ -188,7 +225,7 @@ def video(folder: Path) -> None:
 
 def main(names: list[str]) -> None:
     """Draw those named, or all."""
-    others = (near_horizon, likelihood_regions, glint_atlas, best_looks, dataset_examples)
+    others = (near_horizon, likelihood_regions, glint_atlas, best_looks, response_masks, dataset_examples)
     pictures = (
         {"demo": render, "mean": mean}
         | {draw.__name__: draw for draw in others}

@@ -21,7 +21,7 @@ from seaglint.cluster import ThisProcess
 from seaglint.formats.dataset import dataset_writing
 from seaglint.formats.dataset.dataset_writing import pieces
 from seaglint.formats.dataset.grey_pictures import compressed, decoded, expanded, read_about
-from seaglint.formats.dataset.scene_records import SPLITS, split_of
+from seaglint.formats.dataset.scene_records import SPLITS, splits_of
 from seaglint.formats.object_labels import Label, run_lengths
 from seaglint.scenario.records.ensemble_tables import Dataset
 from seaglint.store.sequence_store import Interrupted
@@ -429,12 +429,47 @@ def test_an_object_over_the_seam_of_a_panorama_has_two_boxes():
     assert sum(piece.area for piece in found) == mask.sum()
 
 
-def test_splits_are_of_seed_and_scene_alone_and_have_their_shares():
-    fractions = (0.7, 0.15, 0.15)
-    found = [split_of(5, scene, fractions) for scene in range(200)]
-    for split, fraction in zip(SPLITS, fractions, strict=True):
-        assert abs(found.count(split) - 200 * fraction) <= 2
-    assert found != [split_of(6, scene, fractions) for scene in range(200)]
-    assert {split_of(seed, 3, (0.0, 1.0, 0.0)) for seed in range(50)} == {"val"}
-    # no share, no scene, whatever the rounding of the sums
-    assert "test" not in {split_of(seed, scene, (0.9, 0.1, 0.0)) for seed in range(20) for scene in range(100)}
+def shares_of(seed: int) -> tuple[float, float, float]:
+    """Random shares of the splits; of every fourth seed one of them is 0, and of every fifth they are those of the example."""
+    train, val, test = np.random.default_rng(seed).dirichlet([2.0, 0.5, 0.5]).tolist()
+    if seed % 5 == 0:
+        return 0.7, 0.15, 0.15
+    return (train + test, val, 0.0) if seed % 4 == 0 else (train, val, test)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_splits_keep_their_shares_however_few_scenes_there_are(seed):
+    fractions = shares_of(seed)
+    whole = splits_of(seed, 200, fractions)
+    for count in [*range(1, 51), 100, 200]:
+        found = splits_of(seed, count, fractions)
+        assert found == whole[:count]  # scenes added later move none
+        numbers = [found.count(split) for split in SPLITS]
+        used = [number for number, fraction in zip(numbers, fractions, strict=True) if fraction > 0.0]
+        assert sum(numbers) == sum(used) == count
+        if count >= 2:
+            assert numbers[1] > 0
+        if count >= len(used):
+            assert min(used) > 0
+        shares = [fraction * count for fraction in fractions if fraction > 0.0]
+        if min(shares) >= 1.0:
+            assert max(abs(number - share) for number, share in zip(used, shares, strict=True)) < 1.0
+
+
+def test_splits_are_of_the_seed_and_have_no_period():
+    fractions = (0.75, 0.25, 0.0)
+    found = [splits_of(seed, 400, fractions) for seed in (5, 6)]
+    assert found[0] != found[1]
+    # points of Sobol with one remainder are in one part of their interval: a split must have scenes of all remainders
+    for period in (2, 4, 8, 16):
+        places = {n % period for n, split in enumerate(found[0]) if split == "val"}
+        assert places == set(range(period))
+
+
+@pytest.mark.parametrize(("fractions", "count", "told"), [((0.7, 0.15, 0.15), 2, "test has none; draw 3"), ((0.9, 0.1, 0.0), 1, "val has")])
+def test_a_share_that_cannot_be_kept_is_one_line(caplog, fractions, count, told):
+    with caplog.at_level("WARNING", "seaglint"):
+        module.report_splits(splits_of(1, count, fractions), fractions)
+        module.report_splits(splits_of(1, 3, fractions), fractions)
+    (line,) = caplog.messages
+    assert told in line

@@ -132,7 +132,7 @@ def export_sea(
     return sea.dataset(lattices=lattices)
 
 
-def labels(run: str | Path, output: str | Path | None = None, *, overwrite: bool = False) -> xr.Dataset:
+def labels(run: str | Path, output: str | Path | None = None, *, masks: str = "response", overwrite: bool = False) -> xr.Dataset:
     """Write places, masks and contrasts of objects, by frame.
 
     Parameters
@@ -141,6 +141,9 @@ def labels(run: str | Path, output: str | Path | None = None, *, overwrite: bool
         Finished sequence of :func:`render` with objects.
     output : path, optional
         File to write too: ``.json`` (COCO, with masks) or ``.csv``.
+    masks : str
+        Kind of masks: ``"response"``, of an object after the optics (geometric without a detector), or ``"geometric"``, pixels that it
+        touches at the aperture.
     overwrite : bool
         Replace a file that is there.
 
@@ -172,7 +175,7 @@ def labels(run: str | Path, output: str | Path | None = None, *, overwrite: bool
     run = path_of(run, "run")
     if output is not None:
         refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[run])
-    truth = Labels.of(run)
+    truth = Labels.of(run, masks)
     report_never_seen(truth)
     if output is not None:
         write_labels(truth, output, overwrite=overwrite)

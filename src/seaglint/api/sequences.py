@@ -360,6 +360,8 @@ def dataset(
     scale: str | None = None,
     limits: tuple[float, float] | None = None,
     clip: float | None = None,
+    masks: str = "response",
+    min_snr: float | None = None,
     workers: int | Workers | None = None,
     threads: int | None = None,
     resume: bool = False,
@@ -416,8 +418,8 @@ def dataset(
         return given
     if output is None:
         raise DataError("output is missing: the folder of the data set; give one, or check=True for a data set that is there")
-    options = DatasetRequest(format=format, bits=bits, image=image, scale=scale, limits=limits, clip=clip).options()
-    resolved = read_source(given)
+    request = DatasetRequest(format=format, bits=bits, image=image, scale=scale, limits=limits, clip=clip, masks=masks, min_snr=min_snr)
+    resolved, options = read_source(given), request.options()
     with team_of(workers, threads) as others:
         ensemble_dataset(resolved, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
     return Path(output)

@@ -80,6 +80,11 @@ _OBJECT_NUMBERS: Final = (
     Variable("counts_row_px", "1", "row of the middle of an object's counts", symbol="px"),
     Variable("counts_peak", "count", "largest change of a pixel's counts by an object, without noise", symbol="counts"),
     Variable("counts_snr", "1", "that change over the temporal noise of its pixel", symbol=" "),
+    Variable("response_pixels", "1", "pixels of the mask of an object's response after the optics", symbol=" "),
+    Variable("response_left_px", "1", "first column of that mask", symbol="px"),
+    Variable("response_top_px", "1", "first row of that mask", symbol="px"),
+    Variable("response_width_px", "1", "columns that this mask spans", symbol="px"),
+    Variable("response_height_px", "1", "rows that this mask spans", symbol="px"),
 )
 
 #: All variables by name; numbers of objects are one part of the table.
@@ -117,6 +122,9 @@ VARIABLES: Final[dict[str, Variable]] = {
         *_OBJECT_NUMBERS,
         Variable("object_id", "1", "number, from 1, of the object that covers most of a pixel; 0 for none", symbol=" ", dtype="uint16"),
         Variable("object_mask", "1", "bit n: object n, from 0, touches the pixel", symbol=" ", dtype="uint64"),
+        Variable(
+            "response_mask", "1", "bit n: response of object n, from 0, is in the pixel, after the optics", symbol=" ", dtype="uint64"
+        ),
         Variable("time", "s", "time from the start of the sequence"),
         Variable("utc", "seconds since the first frame's date", "UTC of the frame, where the scenario has a date", "time", symbol=" "),
         Variable("height", "m", "height of the sea above its mean level"),

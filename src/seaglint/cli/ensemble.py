@@ -86,7 +86,9 @@ def _formats() -> str:
 Command = derived_help(formats=_formats)
 
 
-@takes_records(order="source output format bits image scale limits clip workers dask dask_slurm threads resume overwrite check show")
+@takes_records(
+    order="source output format bits image scale limits clip masks min_snr workers dask dask_slurm threads resume overwrite check show"
+)
 def dataset(
     source: Annotated[
         Path, typer.Argument(metavar="ENSEMBLE.toml", help="ensemble file, or the folder of a rendered one; with --check a data set")
@@ -128,8 +130,13 @@ def dataset(
             overwrite=request.overwrite,
             progress=report,
         )
-    statistics = read_about(output)["statistics"]
+    about = read_about(output)
+    statistics = about["statistics"]
     images, objects = (sum(statistics[name].values()) for name in ("images", "annotated_objects"))
+    ignored = sum(statistics["ignored_objects"].values())
+    if ignored:
+        least = f"{about['min_snr']:g}"
+        log(f"{output}: {ignored} of {objects} annotated objects have a signal-to-noise ratio below {least} and are marked ignore")
     log(f"{output}: {images} images with {objects} annotated objects, checked; {output / 'README.md'} says what is in it")
 
 

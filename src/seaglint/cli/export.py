@@ -96,6 +96,7 @@ def export_sea(
 def labels(
     run: Annotated[Path, typer.Argument(metavar="RUN.zarr", help="finished sequence of 'seaglint render' with objects")],
     output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .json (COCO) or .csv")],
+    masks: Annotated[str, typer.Option(help="response: of an object after the optics; geometric: pixels that it touches")] = "response",
     overwrite: Overwrite = False,
 ) -> None:
     """Write places, masks and contrasts of objects, by frame.
@@ -107,9 +108,11 @@ def labels(
     from seaglint.store.outputs import refuse_existing
 
     refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[run])
-    truth = Labels.of(run)
+    truth = Labels.of(run, masks)
     report_never_seen(truth)
     write_labels(truth, output, overwrite=overwrite)
     log(f"{output} written: {len(truth.names)} object{'s' * (len(truth.names) != 1)} in {len(truth.frames)} frames")
+    if truth.masks != masks:
+        log("its masks are geometric: the sequence was rendered without [sensor.optics] and [sensor.detector]")
     if output.suffix.lower() == ".json":
         log("its images have no file_name, as no pictures are written (id is the frame's number); 'seaglint dataset' writes them")

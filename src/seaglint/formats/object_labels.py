@@ -1,10 +1,14 @@
-"""Labels of a sequence's objects, from its truth, as CSV and as COCO's JSON with masks as run lengths."""
+"""Labels of a sequence's objects, from its truth, as CSV and as COCO's JSON with masks as run lengths.
+
+Masks are of the objects' responses after the optics, or geometric: the pixels that an object touches at the aperture. Sequences without a
+detector have geometric masks alone.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -25,6 +29,11 @@ if TYPE_CHECKING:
 
 MOST_NAMED: Final = 5  #: Objects in no frame that are named; more are counted.
 
+RESPONSE: Final = "response"  #: Masks of the responses after the optics.
+GEOMETRIC: Final = "geometric"  #: Masks of the pixels that objects touch at the aperture.
+
+MASKS: Final = (RESPONSE, GEOMETRIC)  #: Kinds of masks; the first is the default.
+
 BLOCK: Final = 64  #: Frames whose numbers are read at once: a request to a store costs a millisecond however little it reads.
 
 
@@ -37,6 +46,11 @@ class Label:
     name: str
     values: Mapping[str, float]
     mask: NDArray[np.bool_]
+    masks: str = GEOMETRIC  #: Kind of the mask.
+
+    def side(self, name: str) -> float:
+        """Return ``left``, ``top``, ``width`` or ``height`` of the mask's box [px]; across a panorama's seam it ends beyond the edge."""
+        return self.values[f"{'response' if self.masks == RESPONSE else 'bbox'}_{name}_px"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,26 +62,32 @@ class Labels:
     frames: tuple[int, ...]
     shape: tuple[int, int]
     arrays: Mapping[str, Any]  #: Numbers of the objects and planes of their masks by name, with the frames first.
+    masks: str = field(default=RESPONSE)  #: Kind of masks, one of ``MASKS``; geometric where the sequence has no others.
+
+    def __post_init__(self) -> None:
+        if "response_mask" not in self.arrays:
+            object.__setattr__(self, "masks", GEOMETRIC)
 
     @classmethod
-    def of(cls, path: str | Path) -> Labels:
-        """Open the labels of a store.
+    def of(cls, path: str | Path, masks: str = RESPONSE) -> Labels:
+        """Open the labels of a store with masks of a kind.
 
         Raises
         ------
         DataError
-            No finished sequence, or one without objects.
+            No finished sequence, one without objects, or an unknown kind of masks.
         """
         import zarr
 
         path = Path(path)
+        require_masks(masks)
         with open_sequence(path) as dataset:
             frames = tuple(int(n) for n in dataset["frame"].to_numpy())
         root: Any = zarr.open_group(path, mode="r", zarr_format=3)
         if GROUP not in root:
             raise DataError(f"{path}: holds no objects; labels are of sequences whose scenario has [[objects]]: add some and render again")
         arrays = dict(root[GROUP].arrays())
-        return cls(path, tuple(str(name) for name in root[GROUP].attrs["objects"]), frames, arrays["object_id"].shape[1:], arrays)
+        return cls(path, tuple(str(name) for name in root[GROUP].attrs["objects"]), frames, arrays["object_id"].shape[1:], arrays, masks)
 
     def never_seen(self) -> list[str]:
         """Return a text for each object that no frame shows: name, reason, and place in the first frame."""
@@ -96,9 +116,17 @@ class Labels:
             places = slice(first, first + BLOCK)
             numbers = {name: np.asarray(self.arrays[name][places]) if name in self.arrays else unknown for name in NUMBERS}
             for n, frame in enumerate(self.frames[places]):
-                masks = unpacked(self.arrays["object_mask"][first + n], len(self.names))
+                planes = self.arrays["response_mask" if self.masks == RESPONSE else "object_mask"]
+                masks = unpacked(planes[first + n], len(self.names))
                 for number, (name, mask) in enumerate(zip(self.names, masks, strict=True)):
-                    yield Label(frame, number, name, {key: float(values[n, number]) for key, values in numbers.items()}, mask)
+                    yield Label(frame, number, name, {key: float(values[n, number]) for key, values in numbers.items()}, mask, self.masks)
+
+
+def require_masks(masks: str) -> str:
+    """Check the name of a kind of masks."""
+    if masks not in MASKS:
+        raise DataError(f"masks = {masks!r}: is not one of {', '.join(MASKS)}; give one of them")
+    return masks
 
 
 def report_never_seen(labels: Labels) -> None:
@@ -184,7 +212,7 @@ def _coco(labels: Labels) -> JsonObject:
             "image_id": label.frame,
             "category_id": categories[label.name],
             "track_id": label.number,
-            "bbox": [label.values[f"bbox_{side}_px"] for side in ("left", "top", "width", "height")],
+            "bbox": [label.side(name) for name in ("left", "top", "width", "height")],
             "area": int(label.mask.sum()),
             "iscrowd": 0,
             "segmentation": {"size": [rows, columns], "counts": run_lengths(label.mask)},

@@ -2,6 +2,7 @@
 
 Arrays of the truth have the frames and objects of the sequence. A mask is a bit of ``object_mask``: object ``n`` (from 0) is bit ``n % 64``
 of its plane ``n // 64``. Masks of objects may overlap; ``object_id`` holds the number, from 1, of the object that covers most of a pixel.
+With a detector ``response_mask`` has the masks of the objects' responses after the optics in the same bits.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from seaglint.version import __version__
 
 GROUP: Final = "truth"  #: Name of the group.
 
-TRUTHS: Final = (*NUMBERS, "object_mask", "object_id")  #: Names of the arrays of the group.
+_IMAGES: Final = ("object_mask", "object_id", "response_mask")  #: Names of the images of the group.
 
 BITS: Final = 64  #: Number of objects in a plane of masks.
 
@@ -33,6 +34,17 @@ class Truth:
     """Objects whose truth a sequence holds, by name."""
 
     names: tuple[str, ...]
+    mask_share: float | None = None  #: Share of its peak from which a pixel belongs to the mask of a response; None without a detector.
+
+    @property
+    def images(self) -> tuple[str, ...]:
+        """Return the names of the images of the group."""
+        return _IMAGES if self.mask_share is not None else _IMAGES[:-1]
+
+    @property
+    def arrays(self) -> tuple[str, ...]:
+        """Return the names of all arrays of the group."""
+        return (*NUMBERS, *self.images)
 
     @property
     def planes(self) -> int:
@@ -42,23 +54,26 @@ class Truth:
     @property
     def bytes_per_pixel(self) -> int:
         """Return the size of masks and numbers in a pixel."""
-        return sum(size * np.dtype(VARIABLES[name].dtype).itemsize for name, size in (("object_mask", self.planes), ("object_id", 1)))
+        return sum(np.dtype(VARIABLES[name].dtype).itemsize * (1 if name == "object_id" else self.planes) for name in self.images)
 
     def make(self, group: Any, shape: tuple[int, int, int], shards: Callable[[int, tuple[int, ...]], dict[str, Any]]) -> None:
         """Make the empty arrays of ``frames, rows, columns``; ``shards(itemsize, size)`` returns their division into shards."""
         frames, rows, columns = shape
         count, planes = len(self.names), self.planes
         unit = group["frame_done"].chunks[0]
-        truth: Any = group.create_group(GROUP, attributes={"objects": list(self.names)})
+        about = {"objects": list(self.names), **({} if self.mask_share is None else {"mask_share": self.mask_share})}
+        truth: Any = group.create_group(GROUP, attributes=about)
         for name in NUMBERS:
             truth.create_array(
                 name, shape=(frames, count), chunks=(unit, count), dtype="float64", fill_value=np.nan,
                 dimension_names=("time", "object"), attributes=VARIABLES[name].attributes,
             )  # fmt: skip
-        for name, dimensions, size in (
-            ("object_mask", ("time", "plane", "y", "x"), (planes, rows, columns)),
-            ("object_id", ("time", "y", "x"), (rows, columns)),
-        ):
+        for name in self.images:
+            owners = name == "object_id"
+            dimensions, size = (
+                ("time", "y", "x") if owners else ("time", "plane", "y", "x"),
+                (() if owners else (planes,)) + (rows, columns),
+            )
             dtype = np.dtype(VARIABLES[name].dtype)
             truth.create_array(
                 name, shape=(frames, *size), dtype=dtype, fill_value=0, **shards(dtype.itemsize, size),

@@ -25,7 +25,7 @@ from seaglint.base.free_form import Attributes
 from seaglint.base.machine import processor
 from seaglint.base.optional import missing
 from seaglint.base.schema import VARIABLES
-from seaglint.store.layout import FORMAT, GROUP, TRUTHS, UNFINISHED, Layout
+from seaglint.store.layout import FORMAT, GROUP, UNFINISHED, Layout
 from seaglint.store.outputs import ELSEWHERE, library_errors, refuse_inputs, require_folder, storage_errors
 from seaglint.store.shards import CHECKSUM, DONE, OVER
 from seaglint.store.staging import remove_stages, staged, token
@@ -83,7 +83,7 @@ def make_arrays(store: Any, layout: Layout) -> None:
         _put(group, "wavelength", np.asarray(0.5 * (low + high)), (), bounds="wavelength_bounds")
         _put(group, "wavelength_bounds", np.array([low, high]), ("bounds",))
     # The checksum of a frame covers these arrays, in this order.
-    truths = tuple(f"{GROUP}/{name}" for name in TRUTHS) if layout.truth is not None else ()
+    truths = tuple(f"{GROUP}/{name}" for name in layout.truth.arrays) if layout.truth is not None else ()
     over = {OVER: " ".join((*layout.variables, *layout.per_frame, *truths))}
     for name, kind, fill, more in (
         (DONE, "uint8", 0, {}),

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,9 @@ from seaglint.formats.dataset.grey_pictures import box_of, compressed, read_pict
 from seaglint.formats.dataset.labelled_scene import LabelledScene
 from seaglint.formats.dataset.picture_levels import FrameRange, PictureLevels, PictureOptions
 from seaglint.formats.dataset.scene_records import (
+    DIFFICULTIES,
+    HARD,
+    LEAST_SNR,
     SPLITS,
     TRUTH_COLUMNS,
     Catalogue,
@@ -38,7 +41,7 @@ from seaglint.formats.dataset.scene_records import (
     Piece,
     known,
 )
-from seaglint.formats.object_labels import Label, run_lengths
+from seaglint.formats.object_labels import GEOMETRIC, RESPONSE, Label, run_lengths
 from seaglint.formats.tables.table_text import read_rows, require_parquet, write_parquet, write_rows
 from seaglint.objects.drawing.truth import LEAST_CLUTTER, SURROUND
 from seaglint.store.outputs import moved_when_whole, read_json, read_text, write_json, write_text
@@ -62,9 +65,20 @@ EXAMPLES: Final = 18  #: Pictures on the sheet of examples.
 
 _GAP, _TEXT = 6, 14
 _GREEN: Final = (90, 235, 120)
+_GREY: Final = (150, 150, 150)
 
 _SNR_EDGES: Final = (0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 50.0, float("inf"))
+_AREA_EDGES: Final = (1, 2, 4, 9, 16, 25, 49, 81, float("inf"))
 _SIZE_EDGES: Final = (0.0, 0.01, 0.1, 1.0, 4.0, 9.0, 25.0, 81.0, float("inf"))
+
+
+#: Sentences of the data card on masks.
+_MASK_TEXTS: Final = {
+    RESPONSE: "Masks and boxes are of an object's response after the optics: pixels whose counts it changes by at least the share "
+    "`render.mask_share` of its largest change, before noise, and pixels that it covers by at least half.",
+    GEOMETRIC: "Masks and boxes have the pixels that an object touches, before optics blur it. Of an object smaller than a pixel it is the "
+    "pixels that it lies in, one at least.",
+}
 
 
 @dataclass(frozen=True)
@@ -75,6 +89,8 @@ class ConversionSettings:
     format: str  #: Name of one of ``seaglint.formats.dataset.FORMATS``.
     pictures: PictureOptions  #: Bits, range and kind of pictures.
     classes: Mapping[str, str]  #: Category of an object by its name; the default is its preset, or the kind of its shape.
+    masks: str = RESPONSE  #: Kind of masks, one of ``seaglint.formats.object_labels.MASKS``.
+    min_snr: float = LEAST_SNR  #: Signal-to-noise ratio below which objects are ignored.
 
 
 def convert(entry: Entry, scene: LabelledScene, settings: ConversionSettings) -> DatasetScene:
@@ -96,7 +112,7 @@ def convert(entry: Entry, scene: LabelledScene, settings: ConversionSettings) ->
         picture = DatasetFrame(form.frame_name(entry.name, frame, place), frame, time, relations[place])
         clipped = _write_pictures(folder, form, entry, picture, values, settings.pictures.image)
         numbered.append(replace(picture, clipped_px=clipped))
-        rows += _rows(place, np.asarray(values, np.float64), labels, scene.line[0]) if labels else ()
+        rows += _rows(place, np.asarray(values, np.float64), labels, scene) if labels else ()
     objects = scene.scenario.get("objects") or []
     part = DatasetScene(
         scene=entry.name,
@@ -109,6 +125,8 @@ def convert(entry: Entry, scene: LabelledScene, settings: ConversionSettings) ->
         pictures=tuple(numbered),
         rows=tuple(rows),
         parameters=dict(entry.parameters),
+        masks=GEOMETRIC if scene.labels is None else scene.labels.masks,
+        min_snr=settings.min_snr,
     )
     form.write_scene(folder, part, settings.pictures.image)
     # The record comes last: its presence marks the files of the scene as complete.
@@ -145,14 +163,16 @@ def category_of(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
     return str(classes.get(name) or (classes.get(drawn) if number.isdecimal() else None) or item.get("preset") or item["shape"]["kind"])
 
 
-def _rows(place: int, values: NDArray[np.float64], labels: Sequence[Label], slope: float) -> Iterator[DatasetObject]:
-    """Yield the truth of a frame, whose counts have a radiance of ``slope`` each [W m-2 sr-1]."""
+def _rows(place: int, values: NDArray[np.float64], labels: Sequence[Label], scene: LabelledScene) -> Iterator[DatasetObject]:
+    """Yield the truth of a frame of a scene."""
     spread = binary_dilation(np.logical_or.reduce([label.mask for label in labels]), iterations=BLUR)
     for label in labels:
         numbers = {name: known(value) for name, value in label.values.items()}
-        measured = local_contrast(values, label.mask, spread)
-        contrast, snr = (None, None) if measured is None else (measured[0] * slope, measured[1])
-        yield DatasetObject(place, label.number, numbers, contrast, snr, tuple(pieces(label)))
+        measured = visibility(values, label.mask, spread, label.values, counts=scene.variable == "signal")
+        contrast, mean, snr = (
+            (None, None, None) if measured is None else (measured.contrast * scene.line[0], measured.mean_snr, measured.snr)
+        )
+        yield DatasetObject(place, label.number, numbers, contrast, mean, snr, tuple(pieces(label)))
 
 
 def pieces(label: Label) -> list[Piece]:
@@ -161,18 +181,30 @@ def pieces(label: Label) -> list[Piece]:
     if not mask.any():
         return []
     columns = mask.shape[1]
-    left, width = label.values["bbox_left_px"], label.values["bbox_width_px"]
+    left, width = label.side("left"), label.side("width")
     # A box that reaches beyond the last column of a panorama continues at column 0.
     halves = [np.arange(columns) >= left, np.arange(columns) < left] if left + width > columns else [np.ones(columns, bool)]
     return [Piece(box_of(part), int(part.sum()), compressed(run_lengths(part))) for part in (mask & half for half in halves) if part.any()]
 
 
-def local_contrast(values: NDArray[np.float64], mask: NDArray[np.bool_], covered: NDArray[np.bool_]) -> tuple[float, float] | None:
-    r"""Return contrast and signal-to-noise ratio of an object in the delivered picture.
+class Visibility(NamedTuple):
+    """Visibility of an object in the delivered picture."""
 
-    The contrast is :math:`\bar v_t - \bar v_b`, the ratio :math:`|\bar v_t - \bar v_b| / \sigma_b`, with the mean over the mask, and mean
-    and standard deviation of the pixels within 10 of the mask's box that no object covers or blurs into. None where the object is out of
-    view, or its surroundings have fewer than 8 such pixels or do not vary.
+    contrast: float  #: Mean over its mask above the mean around it, in the picture's values.
+    mean_snr: float  #: Absolute contrast over the standard deviation around it [1].
+    snr: float  #: Largest change of a pixel by the object, without noise, over the standard deviation around it [1].
+
+
+def visibility(
+    values: NDArray[np.float64], mask: NDArray[np.bool_], covered: NDArray[np.bool_], numbers: Mapping[str, float], *, counts: bool
+) -> Visibility | None:
+    r"""Return contrast and signal-to-noise ratios of an object in the delivered picture.
+
+    The contrast is :math:`\bar v_t - \bar v_b`, the ratio of means :math:`|\bar v_t - \bar v_b| / \sigma_b`, with the mean over the mask,
+    and mean and standard deviation of the pixels within 10 of the mask's box that no object covers or blurs into. The ratio of the peak is
+    :math:`|c| / \sigma_b`, with the largest change ``c`` of a pixel by the object before noise: it depends on no single value of the noise,
+    and warm and cold parts of a body do not cancel. Without a detector it is ``signal_to_clutter``, and the ratio of means where the truth
+    has no peak. None where the object is out of view, or its surroundings have fewer than 8 such pixels or do not vary.
 
     Parameters
     ----------
@@ -182,6 +214,10 @@ def local_contrast(values: NDArray[np.float64], mask: NDArray[np.bool_], covered
         Of the object.
     covered : ndarray
         Pixels that are no surroundings of any object.
+    numbers : mapping
+        Truth of the object.
+    counts : bool
+        Whether the values are counts of a detector.
     """
     if not mask.any():
         return None
@@ -193,7 +229,8 @@ def local_contrast(values: NDArray[np.float64], mask: NDArray[np.bool_], covered
     if spread == 0.0:
         return None
     contrast = float(values[mask].mean()) - float(around.mean())
-    return contrast, abs(contrast) / spread
+    snr = abs(numbers["counts_peak"]) / spread if counts else numbers["signal_to_clutter"]
+    return Visibility(contrast, abs(contrast) / spread, abs(contrast) / spread if math.isnan(snr) else snr)
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,6 +240,7 @@ class Example:
     values: NDArray[Any]
     boxes: Sequence[tuple[int, int, int, int]]
     title: str
+    ignored: Sequence[tuple[int, int, int, int]] = ()  #: Boxes of ignored objects.
 
 
 def write_sheet(examples: Sequence[Example], path: Path) -> None:
@@ -229,11 +267,11 @@ def write_sheet(examples: Sequence[Example], path: Path) -> None:
         size = sizes[i]
         resampling = Image.Resampling.NEAREST if zoom >= 1.0 else Image.Resampling.BOX
         sheet.paste(Image.fromarray(_grey(example.values)).resize(size, resampling).convert("RGB"), (left, top))
-        for box in example.boxes:
+        for box, colour in [*((box, _GREEN) for box in example.boxes), *((box, _GREY) for box in example.ignored)]:
             # The frame is three pixels of the picture wider than the box, so that it does not cover the object.
             x0, y0 = left + (box[0] - 3) * zoom, top + (box[1] - 3) * zoom
             x1, y1 = left + (box[0] + box[2] + 3) * zoom, top + (box[1] + box[3] + 3) * zoom
-            pen.rectangle((max(x0, left), max(y0, top), min(x1, left + size[0] - 1), min(y1, top + size[1] - 1)), outline=_GREEN)
+            pen.rectangle((max(x0, left), max(y0, top), min(x1, left + size[0] - 1), min(y1, top + size[1] - 1)), outline=colour)
         pen.text((left, top + tall + 1), example.title, fill=(220, 220, 220))
     with moved_when_whole(path) as partial:
         sheet.save(partial, format="PNG")
@@ -258,11 +296,17 @@ def statistics(catalogue: Catalogue) -> JsonObject:
         "scenes": {split: len(catalogue.of_split(split)) for split in SPLITS},
         "images": {split: sum(len(part.pictures) for part in catalogue.of_split(split)) for split in SPLITS},
         "annotated_objects": {split: sum(bool(row.pieces) for part, row in rows if part.split == split) for split in SPLITS},
+        "ignored_objects": {split: sum(part.ignores(row) for part, row in rows if part.split == split) for split in SPLITS},
         "images_without_objects": images - len(filled),
         "objects_out_of_view": len(rows) - len(visible),
         "by_category": {name: sum(part.categories[row.number] == name for part, row in visible) for name in catalogue.categories},
         "picture_sizes": sorted({f"{part.shape[1]} x {part.shape[0]}" for part in catalogue.parts}),
+        "by_difficulty": {
+            name: sum(part.difficulty(row) == name for part, row in visible) for name in (*(d[0] for d in DIFFICULTIES), HARD)
+        },
         "snr": _histogram((row.snr for _, row in visible), _SNR_EDGES),
+        "mask_pixels": _histogram((row.area for _, row in visible), _AREA_EDGES),
+        "mean_mask_pixels": float(f"{np.mean([row.area for _, row in visible]):.4g}") if visible else 0.0,
         "filled_px": _histogram((row.values["pixels"] for _, row in visible), _SIZE_EDGES),
         "range_m": _quartiles(row.values["range_m"] for _, row in visible),
         "parameters": _ranges(catalogue),
@@ -304,13 +348,14 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
     ----------
     about : mapping
         ``title``, ``description``, ``licence``, ``licence_note``, ``version``, ``seed``, ``split``, ``counts``, ``command`` (further
-        options), and of pictures ``bits``, ``image``, ``scale``, ``clipped_px`` and ``pixels``.
+        options), ``min_snr``, ``masks`` (the kinds of masks in the scenes), and of pictures ``bits``, ``image``, ``scale``,
+        ``clipped_px`` and ``pixels``.
     numbers : mapping
         Result of ``statistics``.
     form : type of DatasetFormat
         Format.
     """
-    total = {name: sum(numbers[name].values()) for name in ("scenes", "images", "annotated_objects")}
+    total = {name: sum(numbers[name].values()) for name in ("scenes", "images", "annotated_objects", "ignored_objects")}
     lines = [f"# {about['title']}", ""]
     if about["description"]:
         lines += [about["description"], ""]
@@ -335,12 +380,21 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
         f"seed {about['seed']}. The same file, version and kind of processor give the same bytes.",
         f"- Split by scene, {' / '.join(f'{fraction:g}' for fraction in about['split'])}, a function of the seed and the scene's number: "
         "no scene has pictures in two splits.",
-        "- A mask has the pixels that an object touches, before optics blur it. Of an object smaller than a pixel it is the pixels that it "
-        "lies in, one at least. `filled_px` is how much of them it fills.",
-        "- `snr`: absolute value of the mean over the mask less the mean around it, over the standard deviation around it (clutter and "
-        "noise, 10 pixels beyond the box, without objects), in the pictures as delivered; a body that is partly warmer and partly colder "
-        "than the sea may have a small one and be plain to see. `signal_to_clutter`: the largest change of a pixel over the deviation of "
-        "the sea around it, before the sensor.",
+        *(f"- {_MASK_TEXTS[kind]}" for kind in about["masks"]),
+        f"- The mean mask has {numbers['mean_mask_pixels']:g} pixels. `filled_px`: pixels that an object fills at the aperture, in parts.",
+        "- `snr`: largest change of a pixel by the object, without noise, over the standard deviation around it (clutter and noise, 10 "
+        "pixels beyond the box, without objects) in the pictures as delivered. `mean_snr`: the mean over the mask less the mean around it, "
+        "over the same deviation. `signal_to_clutter`: the largest change of a pixel over the deviation of the sea around it, before the "
+        "sensor.",
+        f"- {total['ignored_objects']} of {total['annotated_objects']} annotated objects have an `snr` below {about['min_snr']:g} and are "
+        "ignored (`ignore`; `iscrowd` and `ignore` 1 in COCO; left out of formats without such a field): neither a detection nor a miss of "
+        "them counts.",
+        "- `difficulty`: "
+        + "; ".join(
+            f"{name} from `snr` {ratio:g}, a visible share of {share:g} and {pixels} pixels of the mask"
+            for name, ratio, share, pixels in DIFFICULTIES
+        )
+        + f"; {HARD} otherwise.",
         "- Centroids count from 0 at the middle of the first pixel; boxes from 0 at its left and upper edge.",
         "",
         "## Licence",
@@ -351,7 +405,13 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
         "",
     ]
     lines += _table(("", *SPLITS, "all"), [(n.replace("_", " "), *numbers[n].values(), total[n]) for n in total])
-    for head, name in (("category", "by_category"), ("snr", "snr"), ("pixels filled", "filled_px")):
+    for head, name in (
+        ("category", "by_category"),
+        ("difficulty", "by_difficulty"),
+        ("snr", "snr"),
+        ("pixels of the mask", "mask_pixels"),
+        ("pixels filled", "filled_px"),
+    ):
         lines += _table((head, "annotated objects"), list(numbers[name].items()))
     lines += _table(tuple(f"range, {name} [m]" for name in numbers["range_m"]), [tuple(f"{v:g}" for v in numbers["range_m"].values())])
     drawn = [
@@ -490,7 +550,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
     settings : ConversionSettings
         How they were written.
     about : mapping
-        ``description``, ``licence`` (None for the default), ``split``, and ``folder``, the final name of the folder.
+        ``description``, ``licence`` (None for the default), ``split``, ``made_from``, and ``folder``, the final name of the folder.
     """
     counts = all(levels.counts for part in catalogue.parts for picture in part.pictures for levels in picture.levels)
     shared = {
@@ -500,6 +560,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
         "version": __version__,
         "seed": catalogue.seed,
         "split": list(about["split"]),
+        "min_snr": settings.min_snr,
     }
     form = format_named(settings.format)
     form.write(folder, catalogue, {**shared, "folder": about["folder"]})
@@ -521,6 +582,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
     note = ". The ensemble's file names no licence; this is seaglint's default, and yours to change with `[dataset] licence`."
     command = settings.pictures.command if form.pictures else ""
     texts = {**shared, **pictured, "licence_note": "" if about["licence"] else note, "counts": counts, "command": command}
+    texts["masks"] = sorted({part.masks for part in catalogue.parts if part.names} or {settings.masks}, reverse=True)
     write_text(card(texts, numbers, form), folder / "README.md")
     write_sums(folder)  # last: a data set with checksums is complete
     report_lost(pictured)
@@ -529,7 +591,8 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
 def _scene(part: DatasetScene) -> JsonObject:
     rows, columns = part.shape
     images = [picture.name for picture in part.pictures]
-    return {"split": part.split, "seed": part.seed, "width": columns, "height": rows, **part.attributes, "images": images}
+    about = {"split": part.split, "seed": part.seed, "width": columns, "height": rows, "masks": part.masks}
+    return {**about, **part.attributes, "images": images}
 
 
 def levels_lost(catalogue: Catalogue) -> dict[str, int]:
@@ -591,5 +654,6 @@ def _examples(folder: Path, catalogue: Catalogue, settings: ConversionSettings) 
         most = max((row.snr for row in rows if row.snr is not None), default=None)
         title = f"{part.pictures[place].name} {part.split}" + (f", SNR to {most:.3g}" if most is not None else "")
         picture = format_named(settings.format).picture(folder, part, place, settings.pictures.image)
-        out.append(Example(picture, [piece.box for row in rows for piece in row.pieces], title))
+        seen, ignored = ([piece.box for row in rows for piece in row.pieces if part.ignores(row) == kind] for kind in (False, True))
+        out.append(Example(picture, seen, title, ignored))
     return out

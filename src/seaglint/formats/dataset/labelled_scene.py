@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.free_form import JsonObject
 from seaglint.base.schema import NUMBERS, VARIABLES, default_image
-from seaglint.formats.object_labels import Label, Labels
+from seaglint.formats.object_labels import RESPONSE, Label, Labels
 from seaglint.store.layout import Layout
 from seaglint.store.sequence_store import open_sequence
 from seaglint.store.stored_images import count_line, line_of, pictures
@@ -38,8 +38,8 @@ class LabelledScene:
 
     @classmethod
     @contextmanager
-    def stored(cls, store: Path) -> Iterator[LabelledScene]:
-        """Open the frames of a finished sequence, which are read one at a time.
+    def stored(cls, store: Path, masks: str = RESPONSE) -> Iterator[LabelledScene]:
+        """Open the frames of a finished sequence, which are read one at a time, with masks of a kind.
 
         Raises
         ------
@@ -59,11 +59,11 @@ class LabelledScene:
                 seed=int(dataset.attrs["seed"]),
                 scenario=scenario,
                 image=lambda place: variable[place].to_numpy(),
-                labels=Labels.of(store) if scenario.get("objects") else None,
+                labels=Labels.of(store, masks) if scenario.get("objects") else None,
             )
 
     @classmethod
-    def held(cls, source: Path, layout: Layout, frames: Iterable[Mapping[str, NDArray[Any]]]) -> LabelledScene:
+    def held(cls, source: Path, layout: Layout, frames: Iterable[Mapping[str, NDArray[Any]]], masks: str = RESPONSE) -> LabelledScene:
         """Hold frames in memory, in the types in which a store holds them; arrays that a data set does not need are dropped.
 
         Parameters
@@ -74,10 +74,13 @@ class LabelledScene:
             Layout of the sequence.
         frames : iterable of mapping
             Arrays of each frame by variable, as they are written to a store.
+        masks : str
+            Kind of masks.
         """
         variable = default_image(layout.variables)
         assert variable is not None  # every rendered sequence has radiance or counts
-        truth = {} if layout.truth is None else {**dict.fromkeys(NUMBERS, "float64"), "object_mask": VARIABLES["object_mask"].dtype}
+        planes = () if layout.truth is None else tuple(name for name in layout.truth.images if name != "object_id")
+        truth = {} if layout.truth is None else {**dict.fromkeys(NUMBERS, "float64"), **{name: VARIABLES[name].dtype for name in planes}}
         kinds = {variable: VARIABLES[variable].dtype, **truth}
         kept = [{name: np.array(arrays[name], kind) for name, kind in kinds.items()} for arrays in frames]
         numbers, shape = tuple(layout.frames), layout.shape[1:]
@@ -92,7 +95,7 @@ class LabelledScene:
             seed=int(layout.attributes["seed"]),
             scenario=json.loads(layout.attributes["scenario"]),
             image=lambda place: kept[place][variable],
-            labels=None if layout.truth is None else Labels(source, layout.truth.names, numbers, shape, group),
+            labels=None if layout.truth is None else Labels(source, layout.truth.names, numbers, shape, group, masks),
         )
 
     def each(self) -> Iterator[tuple[int, NDArray[Any], Sequence[Label]]]:

@@ -32,6 +32,7 @@ from seaglint.formats.dataset.scene_records import (
     DatasetScene,
     Piece,
 )
+from seaglint.formats.object_labels import RESPONSE
 from seaglint.formats.tables.table_text import read_rows
 from seaglint.store.outputs import read_json, write_json, write_text
 from seaglint.store.staging import copy_folder
@@ -139,8 +140,9 @@ def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> JsonObj
     return {
         "bbox": list(piece.box),
         "area": piece.area,
-        # a mask as run lengths is of one object: 1 would mark a crowd, which scores leave out
-        "iscrowd": 0,
+        # COCOeval honours ``iscrowd`` and sets ``ignore`` from it; other programs read ``ignore``
+        "iscrowd": int(part.ignores(row)),
+        "ignore": int(part.ignores(row)),
         "segmentation": {"size": list(part.shape), "counts": piece.counts},
         "object": part.names[row.number],
         "object_id": row.number + 1,
@@ -151,7 +153,9 @@ def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> JsonObj
         "contrast_W_m2_sr": values["contrast_W_m2_sr"],
         "irradiance_W_m2": values["irradiance_W_m2"],
         "local_contrast_W_m2_sr": row.local_contrast,
+        "mean_snr": row.mean_snr,
         "snr": row.snr,
+        "difficulty": part.difficulty(row),
         "signal_to_clutter": values["signal_to_clutter"],
         "filled_px": values["pixels"],
         "attributes": {name: values[name] for name in ("visible_share", "occluded_share", "truncated_share")},
@@ -202,13 +206,13 @@ class Sirst(DatasetFormat):
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
         """Yield the faults of masks and lists, and of masks against the boxes of ``truth.csv``."""
         yield from _sirst_problems(folder, about["image"])
-        yield from mask_box_problems(folder, {path.stem: path for path in (folder / "masks").glob("*.png")})
+        yield from mask_box_problems(folder, about, {path.stem: path for path in (folder / "masks").glob("*.png")})
 
 
 def masks(part: DatasetScene) -> dict[str, NDArray[np.bool_]]:
-    """Return the mask of all objects by picture."""
+    """Return the mask of all objects that are not ignored by picture."""
     out = {picture.name: np.zeros(part.shape, bool) for picture in part.pictures}
-    for row in part.rows:
+    for row in (row for row in part.rows if not part.ignores(row)):
         for piece in row.pieces:
             out[part.pictures[row.frame].name] |= decoded(piece.counts, part.shape)
     return out
@@ -247,13 +251,14 @@ def mask_problems(folder: Path, mask: Path, picture: Path) -> Iterator[str]:
         yield f"{mask.relative_to(folder).as_posix()}: is not of the picture's size, or has other values than 0 and 255"
 
 
-def mask_box_problems(folder: Path, masks: Mapping[str, Path]) -> Iterator[str]:
+def mask_box_problems(folder: Path, about: Mapping[str, Any], masks: Mapping[str, Path]) -> Iterator[str]:
     """Yield masks that are empty in an annotated object's box, or not empty outside of all boxes; ``masks`` are by picture."""
     boxes: dict[str, list[tuple[int, int, int, int]]] = {}
     for row in read_rows(folder / "truth.csv"):
         annotated = boxes.setdefault(row["image"], [])
-        if row["annotated"] == "True":
-            left, top, width, height = (int(float(row[f"bbox_{side}_px"])) for side in ("left", "top", "width", "height"))
+        if row["annotated"] == "True" and row["ignore"] == "False":
+            prefix = "response" if about["scenes"][row["scene"]]["masks"] == RESPONSE else "bbox"
+            left, top, width, height = (int(float(row[f"{prefix}_{side}_px"])) for side in ("left", "top", "width", "height"))
             annotated.append((left, top, width, height))
     for name, path in sorted(masks.items()):
         mask, shown = read_picture(path) > 0, path.relative_to(folder).as_posix()
@@ -376,7 +381,7 @@ def _lines(part: DatasetScene, numbers: dict[str, int]) -> dict[str, list[str]]:
     """Return lines ``class x y width height`` by picture: middle and size of boxes over the size of the picture."""
     rows, columns = part.shape
     lines: dict[str, list[str]] = {picture.name: [] for picture in part.pictures}
-    for row in part.rows:
+    for row in (row for row in part.rows if not part.ignores(row)):
         for left, top, width, height in (piece.box for piece in row.pieces):
             box = ((left + 0.5 * width) / columns, (top + 0.5 * height) / rows, width / columns, height / rows)
             # 8 digits: a hundredth of a pixel in pictures of a million

@@ -26,27 +26,46 @@ if TYPE_CHECKING:
 
 SPLITS: Final = ("train", "val", "test")
 
+LEAST_SNR: Final = 1.0  #: Default of ``min_snr``: a weaker object is not visible in a single picture.
+
+#: Least signal-to-noise ratio, visible share and pixels of the mask of each class of difficulty; what reaches none is ``HARD``.
+DIFFICULTIES: Final = (("easy", 7.0, 0.85, 4), ("medium", 3.0, 0.5, 1))
+
+HARD: Final = "hard"
+
 _GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
-def split_of(seed: int, scene: int, fractions: tuple[float, float, float]) -> str:
-    """Return the split of a scene: a function of seed and number alone, so that scenes added later move none.
+def splits_of(seed: int, scenes: int, fractions: tuple[float, float, float]) -> list[str]:
+    """Return the splits of scenes 0, 1, ...: that of a scene depends on seed and scenes before it, so that scenes added later move none.
 
-    Scene ``n`` has the number ``u + n g`` modulo 1, with ``g`` the golden section and ``u`` drawn from the seed; it trains where this is
-    below the first fraction, and so on. Numbers of this kind fill their interval evenly: of N scenes a split has its fraction of N to
-    within about two, and all parts of a long list have their share.
+    The first scenes go to each split with a share, so that few scenes have all of them: training first, then validation. A further scene
+    ``n`` has the number ``u + n g`` modulo 1, with ``g`` the golden section and ``u`` drawn from the seed, which fills its interval evenly
+    and without a period; it trains where this is below the first fraction, and so on. Where this split has its share already, or another
+    one is a whole scene behind, the scene goes to the split that is furthest behind. So of N scenes each split has its fraction of N to
+    within about one, or one scene where its fraction is smaller.
 
-    >>> [split_of(1, n, (1.0, 0.0, 0.0)) for n in range(2)]
-    ['train', 'train']
+    Examples
+    --------
+    >>> splits_of(1, 5, (0.7, 0.15, 0.15)), splits_of(1, 2, (1.0, 0.0, 0.0))
+    (['train', 'val', 'test', 'train', 'train'], ['train', 'train'])
     """
-    place = (float(stream(seed, "dataset split").random()) + scene * _GOLDEN) % 1.0
-    below = 0.0
-    for name, fraction in zip(SPLITS[:2], fractions[:2], strict=True):
-        below += fraction
-        if place < below:
-            return name
-    # the last one: sums of fractions may end a rounding below 1
-    return "test" if fractions[2] > 0.0 else "val" if fractions[1] > 0.0 else "train"
+    used = [k for k in range(len(SPLITS)) if fractions[k] > 0.0]
+    start = float(stream(seed, "dataset split").random())
+    counts, out = [0] * len(SPLITS), list[str]()
+    for scene in range(scenes):
+        place, below, drawn = (start + scene * _GOLDEN) % 1.0, 0.0, used[-1]
+        for k in used[:-1]:
+            below += fractions[k]
+            if place < below:
+                drawn = k
+                break
+        behind = [fractions[k] * (scene + 1) - counts[k] for k in range(len(SPLITS))]
+        most = max(used, key=behind.__getitem__)
+        chosen = used[scene] if scene < len(used) else most if behind[most] >= 1.0 or behind[drawn] <= 0.0 else drawn
+        counts[chosen] += 1
+        out.append(SPLITS[chosen])
+    return out
 
 
 FOLDER: Final = ".parts"  #: Folder of the records while a data set is made.
@@ -79,8 +98,14 @@ class DatasetObject:
     number: int  #: Number of the object in its scene, from 0.
     values: Mapping[str, float | None]  #: Numbers of the truth by name; None where not known.
     local_contrast: float | None  #: Mean over its mask above the mean around it, in the delivered picture [W m-2 sr-1].
-    snr: float | None  #: Local contrast over the standard deviation around the mask.
+    mean_snr: float | None  #: Absolute local contrast over the standard deviation around the mask.
+    snr: float | None  #: Largest change of a pixel by the object, without noise, over the standard deviation around the mask.
     pieces: tuple[Piece, ...]  #: Visible pieces; empty for an object out of view.
+
+    @property
+    def area(self) -> int:
+        """Return the pixels of the mask."""
+        return sum(piece.area for piece in self.pieces)
 
 
 @dataclass(frozen=True)
@@ -118,6 +143,22 @@ class DatasetScene:
     pictures: tuple[DatasetFrame, ...]
     rows: tuple[DatasetObject, ...]
     parameters: Mapping[str, Any]
+    masks: str  #: Kind of the masks.
+    min_snr: float  #: Signal-to-noise ratio below which objects are ignored.
+
+    def ignores(self, row: DatasetObject) -> bool:
+        """Return True for an object in view that is too weak to be seen: neither its detection nor its miss counts."""
+        return bool(row.pieces) and row.snr is not None and row.snr < self.min_snr
+
+    def difficulty(self, row: DatasetObject) -> str | None:
+        """Return the class of difficulty of an object; None for one out of view or ignored, or of unknown ratio or visible share."""
+        visible = row.values.get("visible_share")
+        if not row.pieces or self.ignores(row) or row.snr is None or visible is None:
+            return None
+        for name, ratio, share, pixels in DIFFICULTIES:
+            if row.snr >= ratio and visible >= share and row.area >= pixels:
+                return name
+        return HARD
 
     @property
     def attributes(self) -> dict[str, float | int | str]:
@@ -205,7 +246,11 @@ class Catalogue:
                 "track_id": tracks[part.scene] + row.number,
                 "category": part.categories[row.number],
                 "annotated": bool(row.pieces),
+                "ignore": part.ignores(row),
+                "difficulty": part.difficulty(row),
+                "mask_pixels": row.area,
                 "local_contrast_W_m2_sr": row.local_contrast,
+                "mean_snr": row.mean_snr,
                 "snr": row.snr,
                 **row.values,
             }
@@ -228,7 +273,7 @@ class Catalogue:
 #: Columns of the truth table.
 TRUTH_COLUMNS: Final = (
     *("scene", "split", "image", "frame", "time_s", "object", "object_id", "track_id", "category", "annotated"),
-    *("local_contrast_W_m2_sr", "snr"),
+    *("ignore", "difficulty", "mask_pixels", "local_contrast_W_m2_sr", "mean_snr", "snr"),
     *NUMBERS,
 )
 

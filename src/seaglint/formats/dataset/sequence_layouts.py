@@ -230,7 +230,7 @@ class NudtMirsdt(DatasetFormat):
         ]
         yield from faults
         if not faults:
-            yield from mask_box_problems(folder, {name: _beside(folder, name, "masks", "png") for name in names})
+            yield from mask_box_problems(folder, about, {name: _beside(folder, name, "masks", "png") for name in names})
         for name in names:
             yield from _stack_problems(folder, name, about["image"])
 

@@ -17,6 +17,8 @@ from seaglint.objects.drawing.compose import BodySight
 
 SURROUND: Final = 10  #: Width of the frame around a body's box in which its clutter is evaluated [pixels].
 
+HALF: Final = 0.5  #: Coverage from which a body fills a pixel [1].
+
 LEAST_CLUTTER: Final = 8  #: Least number of pixels of sea for a clutter value.
 
 
@@ -98,6 +100,17 @@ def numbers_of(sights: tuple[BodySight, ...], shape: tuple[int, int], *, around:
     return _owners([_pixels(sight, shape, around) for sight in sights], shape)[1]
 
 
+def filled(sights: tuple[BodySight, ...], shape: tuple[int, int], *, around: bool = False) -> list[NDArray[np.bool_]]:
+    """Return for each body the pixels (rows, columns) of an image of which it covers at least half."""
+    out = []
+    for box in (_pixels(sight, shape, around) for sight in sights):
+        mask = np.zeros(shape, bool)
+        if box is not None:
+            mask[box.where()] = box.cover >= HALF
+        out.append(mask)
+    return out
+
+
 def _owners(boxes: list[_Pixels | None], shape: tuple[int, int]) -> tuple[list[NDArray[np.bool_]], NDArray[np.uint16]]:
     """Return the masks of bodies, and the number of the body that covers most of each pixel."""
     number, most, masks = np.zeros(shape, np.uint16), np.zeros(shape), []
@@ -120,7 +133,7 @@ def _pixels(sight: BodySight, shape: tuple[int, int], around: bool) -> _Pixels |
     if not shares:
         return None
     top, bottom = min(int(s.rows.min()) for s in shares), max(int(s.rows.max()) for s in shares) + 1
-    left, right = _columns(np.concatenate([s.columns for s in shares]), shape[1], around)
+    left, right = spanned_columns(np.concatenate([s.columns for s in shares]), shape[1], around)
     top, bottom = max(top, 0), min(bottom, shape[0])
     size = (bottom - top, right - left)
     # several parts of a body, and its images in a mirage, may share a pixel: their sums add
@@ -138,7 +151,7 @@ def _pixels(sight: BodySight, shape: tuple[int, int], around: bool) -> _Pixels |
     return _Pixels(top, left, shape, around, cover, added, hidden, solid, seen) if seen.any() else None
 
 
-def _columns(touched: NDArray[np.int64], width: int, around: bool) -> tuple[int, int]:
+def spanned_columns(touched: NDArray[np.int64], width: int, around: bool) -> tuple[int, int]:
     """Return the first column and the column after the last; on a full circle they begin after the widest gap and cross the seam."""
     occupied = np.unique(touched)
     first, last = int(occupied[0]), int(occupied[-1])

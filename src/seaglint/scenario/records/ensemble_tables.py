@@ -253,6 +253,10 @@ class Dataset(Record):
         0.15,
         0.15,
     )
+    min_snr: Annotated[
+        Annotated[float, Quantity(ge=0)] | None,
+        about("signal-to-noise ratio below which objects are marked ignore, as --min-snr; default: 1"),
+    ] = None
     classes: Annotated[
         dict[_Name, _Name],
         about("category of objects by their name, or by that of the template that drew them; else their preset or kind of shape"),

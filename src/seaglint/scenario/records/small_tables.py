@@ -227,6 +227,11 @@ class Render(Record):
         about("with a detector: pixels drawn along each side of its pixels; default: as fine as its optics and pixels need"),
     ] = None
     object_shadows: Annotated[StrictBool, about("objects cast shadows: no glint on the sea behind them as seen from the Sun")] = False
+    mask_share: Annotated[
+        float,
+        Quantity(gt=0, le=1),
+        about("with a detector: share of an object's largest change of counts from which a pixel belongs to the mask of its response"),
+    ] = 0.05
     layers: Annotated[
         tuple[Layer, ...],
         about(

@@ -26,6 +26,7 @@ from seaglint.formats.dataset import format_named
 from seaglint.formats.dataset.dataset_writing import ConversionSettings, convert
 from seaglint.formats.dataset.labelled_scene import LabelledScene
 from seaglint.formats.dataset.scene_records import FOLDER, Entry, part_path
+from seaglint.formats.object_labels import RESPONSE
 from seaglint.scenario.load import load_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.store.layout import BITS
@@ -137,14 +138,14 @@ def start(settings: tuple[SceneSettings, Path]) -> Callable[[Entry], MadeScene]:
     rendering, form = scenes.rendering, format_named(scenes.conversion.format)
 
     def of_store(entry: Entry, store: Path, conversion: ConversionSettings) -> None:
-        with LabelledScene.stored(store) as scene:
+        with LabelledScene.stored(store, conversion.masks) as scene:
             convert(entry, scene, conversion)
 
     def rendered(entry: Entry, drawn: Rendering, conversion: ConversionSettings) -> str:
         source, store = Folder(drawn.folder).scenario(entry.name), Path(entry.store)
         scenario = load_scenario(source)
         if form.pictures and is_short(scenario):
-            convert(entry, held_scene(scenario, source, drawn.threads, cached), conversion)
+            convert(entry, held_scene(scenario, source, drawn.threads, cached, conversion.masks), conversion)
             return ""
         if store.exists():
             of_store(entry, store, conversion)
@@ -179,11 +180,12 @@ def start(settings: tuple[SceneSettings, Path]) -> Callable[[Entry], MadeScene]:
 def is_short(scenario: Scenario) -> bool:
     """Return True for a scene that is held in memory until its pictures are written."""
     columns, rows = scenario.sensor.pixels
-    pixel = 4 + 8 * -(-len(scenario.objects or ()) // BITS)  # radiance or counts, and planes of masks
+    kinds = 2 if scenario.sensor.senses else 1
+    pixel = 4 + 8 * kinds * -(-len(scenario.objects or ()) // BITS)  # radiance or counts, and planes of masks
     return scenario.sensor.frames <= MOST_FRAMES and scenario.sensor.frames * columns * rows * pixel <= MOST_BYTES
 
 
-def held_scene(scenario: Scenario, source: Path, threads: int | None, cached: SceneCache) -> LabelledScene:
+def held_scene(scenario: Scenario, source: Path, threads: int | None, cached: SceneCache, masks: str = RESPONSE) -> LabelledScene:
     """Draw the frames of a scene, as ``render_scene`` does, and hold them in memory.
 
     Raises
@@ -200,4 +202,4 @@ def held_scene(scenario: Scenario, source: Path, threads: int | None, cached: Sc
                     raise KeyboardInterrupt
                 yield run.images(number)
 
-        return LabelledScene.held(source, run.layout, frames())
+        return LabelledScene.held(source, run.layout, frames(), masks)

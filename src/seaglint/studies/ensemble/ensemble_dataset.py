@@ -6,21 +6,24 @@ A data set is written scene by scene in ``OUTPUT.partial``, checked, and renamed
 from __future__ import annotations
 
 import hashlib
+import math
 import shutil
 import tomllib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.reports import REPORTS
 from seaglint.cluster import Workers
 from seaglint.formats.dataset import dataset_writing, format_named
 from seaglint.formats.dataset.dataset_writing import ABOUT, ConversionSettings, finish
 from seaglint.formats.dataset.picture_levels import PictureOptions
-from seaglint.formats.dataset.scene_records import FOLDER, Catalogue, DatasetScene, Entry, split_of
+from seaglint.formats.dataset.scene_records import FOLDER, LEAST_SNR, SPLITS, Catalogue, DatasetScene, Entry, splits_of
+from seaglint.formats.object_labels import RESPONSE, require_masks
 from seaglint.scenario.ensemble_file import Ensemble, load_ensemble, read_toml
 from seaglint.scenario.records.ensemble_tables import Dataset
 from seaglint.store import outputs
@@ -52,22 +55,35 @@ class DatasetOptions:
 
     format: str  #: Name of one of ``seaglint.formats.dataset.FORMATS``.
     pictures: PictureOptions  #: Bits, range and kind of pictures.
+    masks: str = RESPONSE  #: Kind of masks, one of ``seaglint.formats.object_labels.MASKS``.
+    min_snr: float | None = None  #: Signal-to-noise ratio below which objects are ignored; None for that of the ensemble.
 
     @classmethod
-    def of(cls, form: str, bits: int | str | None = None, image: str | None = None, **more: Any) -> DatasetOptions:
+    def of(
+        cls,
+        form: str,
+        bits: int | str | None = None,
+        image: str | None = None,
+        *,
+        masks: str = RESPONSE,
+        min_snr: float | None = None,
+        **more: Any,
+    ) -> DatasetOptions:
         """Return checked options; ``more`` are ``scale``, ``limits`` and ``clip`` of ``PictureOptions.of``.
 
         Raises
         ------
         DataError
-            An unknown format, or options of pictures that are unknown or do not fit.
+            An unknown format, kind of masks or ratio below 0, or options of pictures that are unknown or do not fit.
         """
         chosen = format_named(form)
         given = [name for name, value in {"bits": bits, "image": image, **more}.items() if value is not None]
         if not chosen.pictures and given:
             names = " and ".join(f"`{name}`" for name in given)
             raise DataError(f"{names}: for pictures only, and format = {form!r} keeps {chosen.note}; leave them out")
-        return cls(form, PictureOptions.of(bits, image, **more))
+        if min_snr is not None and not 0.0 <= min_snr < math.inf:
+            raise DataError(f"min_snr = {min_snr:g}: is no signal-to-noise ratio; give 0, which ignores nothing, or more")
+        return cls(form, PictureOptions.of(bits, image, **more), require_masks(masks), min_snr)
 
 
 @dataclass(frozen=True)
@@ -151,7 +167,7 @@ def make_dataset(
     workers : Workers, optional
         Workers that render and write the scenes; this process by default. The bytes do not depend on it.
     resume : bool
-        Continue an unfinished data set. A complete one is left unchanged.
+        Continue an unfinished data set, also with another ``min_snr``. A complete one is left unchanged.
     overwrite : bool
         Replace a data set once the new one is complete.
     progress : callable, optional
@@ -160,7 +176,8 @@ def make_dataset(
     Raises
     ------
     DataError
-        The output may not be written, another process writes it, another ensemble is resumed, or scenes failed.
+        The output may not be written, another process writes it, another ensemble is resumed, scenes failed, or no object reaches the
+        requested ``min_snr``.
     StorageError
         No room or no rights; finished scenes stay.
     Interrupted
@@ -182,9 +199,18 @@ def make_dataset(
             return output
         _begin(partial, made_from, plan.source)
         entries = scenes(partial)
-        settings = ConversionSettings(str(partial.absolute()), options.format, options.pictures, dict(plan.table.classes))
+        settings = ConversionSettings(
+            folder=str(partial.absolute()),
+            format=options.format,
+            pictures=options.pictures,
+            classes=dict(plan.table.classes),
+            masks=options.masks,
+            min_snr=made_from["min_snr"],
+        )
         write_scenes(SceneSettings(settings, rendering), entries, Folder(partial / SCENES), claim, workers, progress)
-        parts = [DatasetScene.read(partial, entry.name) for entry in entries]
+        parts = [_labelled(partial, DatasetScene.read(partial, entry.name), settings) for entry in entries]
+        _report_masks(parts, settings)
+        _require_visible(parts, settings.min_snr, partial, requested=_requested_snr(plan, options) is not None)
         catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.pictures.image, parts)
         table = plan.table
         about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": made_from}
@@ -196,11 +222,58 @@ def make_dataset(
     return output
 
 
+def _requested_snr(plan: DatasetPlan, options: DatasetOptions) -> float | None:
+    """Return the least signal-to-noise ratio that a user has given; None without one."""
+    return plan.table.min_snr if options.min_snr is None else options.min_snr
+
+
+def _labelled(partial: Path, part: DatasetScene, settings: ConversionSettings) -> DatasetScene:
+    """Return a scene with the requested ``min_snr``: labels of one that was written with another are written again, no picture is."""
+    if part.min_snr == settings.min_snr:
+        return part
+    part = replace(part, min_snr=settings.min_snr)
+    format_named(settings.format).write_scene(partial, part)
+    part.write(partial)
+    return part
+
+
+def _report_masks(parts: Sequence[DatasetScene], settings: ConversionSettings) -> None:
+    """Report scenes that have geometric masks in place of responses after the optics."""
+    with_objects = [part for part in parts if part.names]
+    plain = sum(part.masks != settings.masks for part in with_objects)
+    if plain:
+        text = "%d of %d scenes with objects have geometric masks, as they were rendered without [sensor.optics] and [sensor.detector]"
+        REPORTS.warning(text, plain, len(with_objects))
+
+
+def _require_visible(parts: Sequence[DatasetScene], least: float, partial: Path, *, requested: bool) -> None:
+    """Refuse a requested ``min_snr`` that no object reaches, and report the default one if no object reaches it.
+
+    Raises
+    ------
+    DataError
+        All objects with a known ratio are below it.
+    """
+    known = [(row.snr, part, row) for part in parts for row in part.rows if row.pieces and row.snr is not None]
+    if not known or len(known) < sum(bool(row.pieces) for part in parts for row in part.rows):
+        return
+    highest, part, row = max(known, key=lambda one: one[0])
+    if highest >= least:
+        return
+    where = f"'{part.names[row.number]}' in {part.pictures[row.frame].name}"
+    text = f"min_snr = {least:g} leaves no object: the highest signal-to-noise ratio is {highest:.4g} ({where})"
+    if requested:
+        raise DataError(f"{text}; lower it and go on with resume=True, which renders nothing again: the scenes stay in {partial}")
+    REPORTS.warning("%s, and all %d are marked ignore; give a lower min_snr, or nearer or warmer objects", text, len(known))
+
+
 def _settings(plan: DatasetPlan, options: DatasetOptions) -> JsonObject:
     """Return the settings that both runs of a resumed data set must share."""
     digest = hashlib.sha256(plan.source.encode("utf-8")).hexdigest()
     shown = options.pictures.named if format_named(options.format).pictures else {}
-    return {"format": options.format, **shown, "version": __version__, "ensemble": digest}
+    given = _requested_snr(plan, options)
+    labels = {"masks": options.masks, "min_snr": LEAST_SNR if given is None else given}
+    return {"format": options.format, **shown, **labels, "version": __version__, "ensemble": digest}
 
 
 def _require_same(old: Any, new: JsonObject, where: Path, source: str) -> None:
@@ -228,7 +301,11 @@ def _begin(partial: Path, made_from: JsonObject, source: str) -> None:
     """Make the folder, or check that an unfinished one has the same settings."""
     path = partial / FOLDER / _SETTINGS
     if path.is_file():
-        _require_same(outputs.read_json(path, "start again with overwrite=True"), made_from, partial, source)
+        begun = outputs.read_json(path, "start again with overwrite=True")
+        # Records of scenes hold for any least ratio.
+        _require_same({**begun, "min_snr": made_from["min_snr"]}, made_from, partial, source)
+        if begun != made_from:
+            outputs.write_json(made_from, path)
     else:
         if partial.exists():
             _require_ours(partial)
@@ -342,13 +419,14 @@ def ensemble_dataset(
         if source.folder is None:
             require_memory_of_all(scene.scenario for scene in drawn)
             if not resume:
-                report_weak(drawn)
+                given = options.min_snr if options.min_snr is not None else table.min_snr
+                report_weak(drawn, LEAST_SNR if given is None else given)
             render_ensemble(ensemble, folder.path, resume=True, draw_only=True)
             if workers is not None:
                 report_air(drawn[0].scenario, band(drawn[0].scenario))
-        return [
-            Entry(scene.label, str(store(partial, scene.label)), split_of(seed, scene.number, table.split), scene.row) for scene in drawn
-        ]
+        splits = splits_of(seed, len(drawn), table.split)
+        report_splits(splits, table.split)
+        return [Entry(scene.label, str(store(partial, scene.label)), split, scene.row) for scene, split in zip(drawn, splits, strict=True)]
 
     return make_dataset(
         output,
@@ -371,6 +449,15 @@ def _require_sequences(form: str, drawn: Sequence[EnsembleScene]) -> None:
             f"format = {form!r} is for sequences, and {len(single)} of {len(drawn)} scenes have one frame, the first is {single[0]}; "
             "set ensemble.frames to 2 or more, or choose a format of single pictures"
         )
+
+
+def report_splits(splits: Sequence[str], fractions: tuple[float, float, float]) -> None:
+    """Report splits that have a share and no scene, because there are too few scenes."""
+    shares = dict(zip(SPLITS, fractions, strict=True))
+    if empty := [name for name in SPLITS if shares[name] > 0.0 and name not in splits]:
+        least = sum(share > 0.0 for share in fractions)
+        text = "%d scene%s cannot serve all splits: %s has none; draw %d scenes or more, or set its share in dataset.split to 0"
+        REPORTS.warning(text, len(splits), "" if len(splits) == 1 else "s", " and ".join(empty), least)
 
 
 def _require_rendered(folder: Folder, labels: Sequence[str]) -> None:

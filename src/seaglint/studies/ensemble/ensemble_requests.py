@@ -55,9 +55,19 @@ class DatasetRequest(ScenesRequest):
         ),
     ] = None
     clip: Annotated[float | None, Parameter("share of pixels clipped at each end of the range of 8 bits [%]; default: 0")] = None
+    masks: Annotated[
+        str, Parameter("masks and boxes: response, of an object after the optics, or geometric: pixels that it touches at the aperture")
+    ] = "response"
+    min_snr: Annotated[
+        float | None,
+        Parameter(
+            "signal-to-noise ratio below which objects are marked ignore; default: dataset.min_snr of the ensemble, else 1", least=0.0
+        ),
+    ] = None
 
     def options(self) -> DatasetOptions:
         """Return the checked format and pictures of the data set."""
         from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions
 
-        return DatasetOptions.of(self.format, self.bits, self.image, scale=self.scale, limits=self.limits, clip=self.clip)
+        pictures = {"scale": self.scale, "limits": self.limits, "clip": self.clip}
+        return DatasetOptions.of(self.format, self.bits, self.image, masks=self.masks, min_snr=self.min_snr, **pictures)

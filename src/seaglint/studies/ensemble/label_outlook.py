@@ -13,7 +13,8 @@ from scipy.ndimage import binary_dilation
 from seaglint.base.errors import SeaglintError
 from seaglint.base.reports import REPORTS
 from seaglint.base.threads import thread_limit
-from seaglint.formats.dataset.dataset_writing import BLUR, local_contrast
+from seaglint.formats.dataset.dataset_writing import BLUR, visibility
+from seaglint.formats.dataset.scene_records import LEAST_SNR
 from seaglint.scenario.model import Scenario
 from seaglint.store.layout import unpacked
 from seaglint.studies.ensemble.law_draws import EnsembleScene, prepared
@@ -29,8 +30,6 @@ MOST_FRAMES: Final = 6  #: Largest number of frames that are drawn for an estima
 SHARE: Final = 8  #: Frames of an ensemble for each one that is drawn for the estimate: it adds an eighth to the work at most.
 
 PATIENCE: Final = 15.0  #: Time after which no further frame is drawn for the estimate [s].
-
-WEAK: Final = 1.0  #: Signal-to-noise ratio below which a label counts as weak: such an object is not visible in a single picture.
 
 
 def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
@@ -60,26 +59,30 @@ def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
 class WeakLabels:
     """Estimated number of weak labels, from the first frames of some scenes."""
 
-    weak: int  #: Labels with a ratio below ``WEAK`` in the frames drawn.
+    weak: int  #: Labels with a ratio below ``least`` in the frames drawn.
     seen: int  #: All labels with a ratio in the frames drawn.
     frames: int  #: Frames drawn.
     labels: int  #: Labels expected in all frames of all scenes.
     noise: bool  #: True where a detector adds noise; without one the ratio is to clutter alone.
+    least: float = LEAST_SNR  #: Ratio below which a label is weak.
 
     @property
     def line(self) -> str:
         """Return the estimate as a sentence."""
         about = f"some {round(self.labels * self.weak / self.seen)} of about {self.labels} labels" if self.seen else "no label"
         noise = "" if self.noise else " (to clutter alone: the scenes have no detector, and so no noise)"
+        judged = "frame of one scene" if self.frames == 1 else f"frames of {self.frames} scenes"
         return (
-            f"estimate: {about} will have a signal-to-noise ratio below {WEAK:g}{noise}, judged by {self.weak} of {self.seen} in the first "
-            f"{'frame of one scene' if self.frames == 1 else f'frames of {self.frames} scenes'}; nearer or warmer objects or a "
-            "narrower field of view raise it, less noise where noise and not clutter hides them; truth.csv says it of each label (snr)"
+            f"estimate: {about} will have a signal-to-noise ratio below {self.least:g}{noise} and be marked ignore, judged by "
+            f"{self.weak} of {self.seen} in the first {judged}; nearer or warmer objects or a narrower field of view raise it, less noise "
+            "where noise and not clutter hides them; truth.csv says it of each label (snr)"
         )
 
 
-def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, patience: float = PATIENCE) -> WeakLabels | None:
-    """Estimate the number of weak labels; None without objects, or with too few frames to draw one for an estimate.
+def weak_labels(
+    scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, least: float = LEAST_SNR, patience: float = PATIENCE
+) -> WeakLabels | None:
+    """Estimate the number of labels with a ratio below ``least``; None without objects, or with too few frames to draw one for an estimate.
 
     First frames of scenes spread over the ensemble are drawn as for the data set, and their ratios are computed in the same way.
 
@@ -104,8 +107,8 @@ def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, pat
     # Labels per object in all frames are taken as in the drawn ones.
     known = sum(len(scenario.objects or ()) * scenario.sensor.frames for scenario in with_objects)
     labels = round(known * len(ratios) / objects)
-    weak = sum(ratio < WEAK for ratio in ratios)
-    return WeakLabels(weak, len(ratios), drawn, labels, all(scenario.sensor.senses for scenario in with_objects))
+    weak = sum(ratio < least for ratio in ratios)
+    return WeakLabels(weak, len(ratios), drawn, labels, all(scenario.sensor.senses for scenario in with_objects), least)
 
 
 def _ratios(scenario: Scenario, cached: SceneCache) -> list[float]:
@@ -113,19 +116,21 @@ def _ratios(scenario: Scenario, cached: SceneCache) -> list[float]:
     with thread_limit():
         run = prepared(scenario, cached)
         images = run.images(run.layout.frames[0])
-    values = np.asarray(images["signal" if "signal" in images else "radiance"], np.float64)
-    masks = [mask for mask in unpacked(images["object_mask"], len(scenario.objects or ())) if mask.any()]
-    if not masks:
-        return []
+    counts = "signal" in images
+    values = np.asarray(images["signal" if counts else "radiance"], np.float64)
+    masks = list(unpacked(images["response_mask" if counts else "object_mask"], len(scenario.objects or ())))
     # Blur carries light of an object into its neighbourhood, which is no background there.
     around = binary_dilation(np.logical_or.reduce(masks), iterations=BLUR)
-    return [one[1] for mask in masks if (one := local_contrast(values, mask, around)) is not None]
+    names = ("counts_peak",) if counts else ("signal_to_clutter",)
+    numbers = [{name: float(images[name][n]) for name in names} for n in range(len(masks))]
+    seen = (visibility(values, mask, around, row, counts=counts) for mask, row in zip(masks, numbers, strict=True))
+    return [one.snr for one in seen if one is not None]
 
 
-def report_weak(scenes: Sequence[EnsembleScene]) -> None:
+def report_weak(scenes: Sequence[EnsembleScene], least: float = LEAST_SNR) -> None:
     """Report the number of weak labels, if any; a scene that cannot be drawn is reported when it is rendered."""
     try:
-        estimate = weak_labels(scenes)
+        estimate = weak_labels(scenes, least=least)
     except SeaglintError:
         return
     if estimate is not None and estimate.weak:

@@ -183,6 +183,10 @@ def _truth(names: tuple[str, ...], classes: tuple[str, ...], arrays: Mapping[str
     """Return classes, boxes, masks and truth numbers of the objects of a frame as variables."""
     numbers = {name: np.asarray(arrays.get(name, np.full(len(names), np.nan)), np.float64) for name in NUMBERS}
     masks = np.stack(list(unpacked(arrays["object_mask"], len(names))))
+    responses = {}
+    if "response_mask" in arrays:
+        planes = np.stack(list(unpacked(arrays["response_mask"], len(names))))
+        responses = {"response_masks": (("object", "y", "x"), planes, {"long_name": "pixels of an object's response after the optics"})}
     boxes = np.stack([numbers[f"bbox_{side}_px"] for side in SIDES], axis=-1)
     about = {"units": "1", "long_name": "first column and row, and number of columns and rows, that an object touches"}
     return {
@@ -190,6 +194,7 @@ def _truth(names: tuple[str, ...], classes: tuple[str, ...], arrays: Mapping[str
         "names": ("object", np.array(names, dtype=object), {"long_name": "name of the object"}),
         "boxes": (("object", "side"), boxes, about),
         "masks": (("object", "y", "x"), masks, {"long_name": "pixels that an object touches"}),
+        **responses,
         "object_id": (("y", "x"), np.asarray(arrays["object_id"], np.uint16), VARIABLES["object_id"].attributes),
         **{name: ("object", values, VARIABLES[name].attributes) for name, values in numbers.items()},
     }

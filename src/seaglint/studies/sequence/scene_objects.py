@@ -1,6 +1,6 @@
 """Objects of a scenario in its pictures, drawn over the sea, and their labels for the store.
 
-Labels are speed, streak, blur and class of size, and centre, peak and signal-to-noise ratio of a detector's counts.
+Labels are speed, streak, blur and class of size; those of a detector's counts are in :mod:`seaglint.studies.sequence.object_counts`.
 """
 
 from __future__ import annotations
@@ -20,10 +20,6 @@ from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import Layers
 from seaglint.imaging.refraction import RefractedScene
 from seaglint.imaging.scene import Instant, Scene, joined
-from seaglint.instrument.chain import SensorModel
-from seaglint.instrument.figures_of_merit import budget
-from seaglint.instrument.local_light import PictureWindow
-from seaglint.instrument.optics import cos4_falloff
 from seaglint.objects.body import Body
 from seaglint.objects.drawing.compose import BodySight, composed, refracted_picture, shadowed
 from seaglint.objects.drawing.draw import Drawer, Stage
@@ -37,8 +33,6 @@ from seaglint.sea.wave_field import WaveField
 from seaglint.store.layout import Truth, packed
 
 Numbers = dict[str, FloatArray]  #: Numbers of all objects by the names of their columns [(objects,)].
-
-LEAST_SUM = 1e-3  #: Least sum of an object's light over the sum of its amounts for which it has a middle [1].
 
 
 def motion_numbers(
@@ -72,51 +66,6 @@ def motion_numbers(
         out["blur_px"][n] = math.sqrt(blur**2 + streak.length**2 / 24.0)
         for name, value in zip(ends, (streak.ends + shift).ravel(), strict=True):
             out[name][n] = value
-    return out
-
-
-def count_numbers(windows: Sequence[PictureWindow | None], seen: NDArray[np.float32], model: SensorModel) -> Numbers:
-    """Return centre, peak and signal-to-noise ratio of the counts that objects add, before a detector's noise and within its full scale.
-
-    Parameters
-    ----------
-    windows : sequence of PictureWindow
-        Change of the radiance on the pixels by each object [W m-2 sr-1]; None out of the picture.
-    seen : ndarray
-        Radiance on the pixels, with objects [W m-2 sr-1, (rows, columns)].
-    model : SensorModel
-        The sensor. Its noise is the temporal noise of a pixel, by the budget of :mod:`seaglint.instrument.figures_of_merit`.
-    """
-    names = ("counts_column_px", "counts_row_px", "counts_peak", "counts_snr")
-    out = {name: np.full(len(windows), math.nan) for name in names}
-    line, rows, columns = model.readout, *seen.shape
-    unscattered = 1.0 - model.optics.stray_share
-    # An object out of the picture has no counts (NaN).
-    for n, window in enumerate(windows):
-        if window is None:
-            continue
-        top, left, change = window
-        j, i = top + np.arange(change.shape[0])[:, None], left + np.arange(change.shape[1])[None, :]
-        light = unscattered * change.astype(np.float64)
-        if model.optics.cos4:
-            x, y = ((place - 0.5 * (size - 1)) * model.ifov for place, size in ((i[0] % columns, columns), (j[:, 0], rows)))
-            light = light * cos4_falloff(np.zeros(x.size) if model.scanning else x, y)
-        radiance = seen[j, i % columns].astype(np.float64)
-        with_it, without = (np.clip(line.units(np.maximum(view, 0.0)), None, line.full_scale) for view in (radiance, radiance - light))
-        added = with_it - without
-        total, amount = float(added.sum()), float(np.abs(added).sum())
-        out["counts_peak"][n] = out["counts_snr"][n] = 0.0
-        if amount == 0.0:
-            continue
-        # Light and dark parts that cancel have no centre.
-        if abs(total) > LEAST_SUM * amount:
-            column = float((added * i).sum()) / total
-            # Columns of a panorama continue across the seam.
-            out["counts_column_px"][n] = (column + 0.5) % columns - 0.5 if model.circle else column
-            out["counts_row_px"][n] = float((added * j).sum()) / total
-        down, across = np.unravel_index(int(np.abs(added).argmax()), added.shape)
-        out["counts_peak"][n] = float(added[down, across]) / line.gain
-        out["counts_snr"][n] = abs(float(added[down, across])) / budget(model, max(float(radiance[down, across]), 0.0)).total
     return out
 
 

@@ -23,19 +23,21 @@ from seaglint.instrument.chain import Drawn
 from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import blur_px
 from seaglint.instrument.scan import ScanPattern
+from seaglint.objects.drawing.truth import filled
 from seaglint.optics.band import apparent_temperature
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import TABLES
-from seaglint.store.layout import Layout
+from seaglint.store.layout import Layout, unpacked
 from seaglint.store.sequence_store import Frame, check_output, write_sequence
 from seaglint.store.writers import Share
 from seaglint.studies.build.sensor_model import line_of_sight_rates, scan, sensor_attributes, sensor_model
 from seaglint.studies.sequence import render_sequence as plain
 from seaglint.studies.sequence.exposed_objects import ExposedObjects, ObjectLight
 from seaglint.studies.sequence.memory import require_memory
+from seaglint.studies.sequence.object_counts import count_numbers, counted_changes, response_arrays, response_masks
 from seaglint.studies.sequence.out_of_view import report_out_of_view
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
-from seaglint.studies.sequence.scene_objects import DrawnImage, count_numbers, motion_numbers
+from seaglint.studies.sequence.scene_objects import DrawnImage, motion_numbers
 from seaglint.studies.sequence.sense import Rates, SensedFrames, require_electrons, signal_attributes
 from seaglint.studies.sequence.sequence_work import SceneCache, spread_over
 
@@ -137,7 +139,11 @@ class SensedSequence:
         attitude = self.fine.track.at(number / self.layout.frame_rate).attitude
         truth = objects.objects.truth(light.sights, sea, scene, (objects.imager, attitude))
         motion = motion_numbers(light.streaks, truth, blur_px(objects.model), mirage=isinstance(scene, RefractedScene))
-        return {**truth, **motion, **count_numbers(light.each, self.sensed.seen(number), objects.model)}
+        changes = counted_changes(light.each, self.sensed.seen(number), objects.model)
+        around, touched = scene.pixels.goes_round, list(unpacked(truth["object_mask"], len(light.sights)))
+        share = self.fine_scenario.render.mask_share
+        masks = response_masks(changes, touched, filled(light.sights, sea.shape, around=around), share)
+        return {**truth, **motion, **count_numbers(changes, objects.model), **response_arrays(masks, around=around)}
 
 
 @dataclass(eq=False)
@@ -306,6 +312,7 @@ def prepare_sensed(
         ),
         per_frame=("saturated_share",),
         details={"signal": signal_attributes(model)},
+        truth=None if fine_layout.truth is None else replace(fine_layout.truth, mask_share=scenario.render.mask_share),
         attributes={
             **fine_layout.attributes,
             "title": "Infrared image sequence of a detector looking at the sea",
