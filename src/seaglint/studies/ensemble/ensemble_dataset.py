@@ -232,7 +232,7 @@ def _labelled(partial: Path, part: DatasetScene, settings: ConversionSettings) -
     if part.min_snr == settings.min_snr:
         return part
     part = replace(part, min_snr=settings.min_snr)
-    format_named(settings.format).write_scene(partial, part)
+    format_named(settings.format).write_scene(partial, part, settings.pictures.image)
     part.write(partial)
     return part
 
