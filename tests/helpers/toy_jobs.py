@@ -29,7 +29,7 @@ def squares(offset: int) -> Callable[[int], int]:
 
 
 def lines(folder: str) -> Callable[[str], str]:
-    """Work told by the unit: ``kill``, ``raise``, ``sleep SECONDS``, ``meet COUNT NAME``, ``hold NAME``.
+    """Work told by the unit: ``kill``, ``freeze``, ``raise``, ``sleep SECONDS``, ``meet COUNT NAME``, ``hold NAME``.
 
     Each is told to a file of its attempts. Units that meet wait until so many of them have begun, one that holds until the folder has a
     file ``go``.
@@ -44,6 +44,8 @@ def lines(folder: str) -> Callable[[str], str]:
             case ["once", *_]:
                 if len(attempts(folder, unit)) == 1:
                     os.kill(os.getpid(), signal.SIGKILL)
+            case ["freeze", *_]:
+                os.kill(os.getpid(), signal.SIGSTOP)
             case ["raise", *_]:
                 raise ValueError("no waves\nat all")
             case ["sleep", seconds]:
@@ -74,6 +76,16 @@ def dies_at_start(folder: str) -> Callable[[int], int]:
     (Path(folder) / f"started-{os.getpid()}").touch()
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
+
+
+def freezes_at_start(folder: str) -> Callable[[str], str]:
+    """Stop the first process that starts the job."""
+    try:
+        (Path(folder) / "freeze").unlink()
+    except FileNotFoundError:
+        return lines(folder)
+    os.kill(os.getpid(), signal.SIGSTOP)
+    return lines(folder)
 
 
 def refuses(kind: str) -> Callable[[int], int]:

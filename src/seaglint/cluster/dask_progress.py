@@ -35,6 +35,7 @@ class _DaskTask:
     unit: Any
     attempts: int = 0  #: Number of attempts, including those in progress.
     keys: set[str] = field(default_factory=set)  #: Keys of the attempts in progress.
+    ended: bool = False  #: Whether its outcome was yielded.
 
 
 @dataclass(eq=False)
@@ -62,6 +63,8 @@ class DaskMapping:
         self.again: deque[_DaskTask] = deque()
         self.flight: dict[str, _Sent] = {}
         """Attempts in progress by the keys of their tasks, the oldest first."""
+        self.moved: dict[str, _DaskTask] = {}
+        """Units taken from overdue workers; one of them may have been in progress and sends an outcome."""
         self.heard: dict[str, float] = {}
         """Times of the workers' last messages in this job [s]."""
         self.judged = 0.0
@@ -146,13 +149,17 @@ class DaskMapping:
         for _, (key, address, content) in messages:
             self.workers.silent.discard(address)
             self.heard[address] = self.patience.now
-            if key not in self.flight:  # of a cancelled attempt, or an earlier job
+            task = self.moved.pop(key, None)
+            if key not in self.flight and (task is None or task.ended):  # of a cancelled attempt, or an earlier job
                 continue
             outcome = pickle.loads(content)
             if isinstance(outcome, Started):
                 self.patience.add(outcome.seconds, starting=True)
                 continue
-            task = self._taken(key)
+            if task is None:
+                task = self._taken(key)
+            elif not isinstance(outcome, Done):  # it is given to another worker anyway
+                continue
             # an error of the job's start may be a fault of one worker, and is tried again, unless the user must correct it
             if isinstance(outcome, Exception):
                 if isinstance(outcome, SeaglintError) or task.attempts >= ATTEMPTS:
@@ -163,6 +170,7 @@ class DaskMapping:
                 self.workers.look(at_once=True)  # units go to known workers until it is described
             elif isinstance(outcome, Done):
                 self.patience.add(outcome.seconds)
+                task.ended = True
                 self._drop(list(task.keys))
                 if task in self.again:
                     self.again.remove(task)
@@ -214,6 +222,7 @@ class DaskMapping:
         self.workers.silent.add(address)
         first = self.flight[held[0]]  # workers do the oldest first
         first.overdue = True
+        self.moved |= {key: self.flight[key].task for key in held[1:]}
         self._return([self._taken(key, cancel=True) for key in held[1:]])
         if first.task.attempts < ATTEMPTS:
             self.again.append(first.task)
@@ -248,6 +257,7 @@ class DaskMapping:
             if task not in self.again:
                 self.again.append(task)
         elif not task.keys and task not in self.again:
+            task.ended = True
             yield Failed(task.unit, error, where, task.attempts)
 
     def _lost(self, error: SchedulerGoneError) -> None:
