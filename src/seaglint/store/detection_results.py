@@ -298,10 +298,10 @@ def keep_sea(folder: Path, number: int, frames: NDArray[np.float32]) -> None:
 def parts_folder(base: Path | None, *, resume: bool = False, overwrite: bool = False) -> Iterator[tuple[StudyParts, bool]]:
     """Provide the parts beside a result, and true where they outlive an interruption; without a result a temporary folder."""
     if base is not None:
-        folder = parts_path(base)
+        beside = parts_path(base)
         with ExitStack() as stack:
-            with storage_errors(folder, ELSEWHERE):
-                stack.enter_context(exclusive(folder))
+            with storage_errors(beside, ELSEWHERE):
+                stack.enter_context(exclusive(beside))
             parts = StudyParts.at(base, resume=resume, overwrite=overwrite)
             try:
                 yield parts, True
