@@ -58,7 +58,9 @@ class Work:
 
     def written(self, folder: Path) -> int:
         """Return the number of finished units of an unfinished output."""
-        return max(len(list(self.begun(folder).glob(pattern))) for pattern in self.units_done)
+        with contextlib.suppress(FileNotFoundError):  # it is renamed in this moment
+            return max(len(list(self.begun(folder).glob(pattern))) for pattern in self.units_done)
+        return 0
 
     def done(self, folder: Path) -> int:
         """Return the number of finished units."""

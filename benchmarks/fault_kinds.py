@@ -18,7 +18,7 @@ from typing import Final
 
 import numpy as np
 
-from fault_jobs import DATASET, ENSEMBLE, RENDER, SHARES, WORKS, Process, Running, Site, shim
+from fault_jobs import SHARES, WORKS, Process, Running, Site, shim
 
 MODES: Final = ("local", "dask", "shards")
 """Kinds of workers: processes of this machine, a Dask cluster, shares of a batch array."""
@@ -280,8 +280,7 @@ class Disturbed:
 
         if not site.wait(now) or site.ended():
             return None
-        with contextlib.suppress(FileNotFoundError):  # it is renamed in this moment
-            self.left = units - site.work.done(site.seen)
+        self.left = units - site.work.done(site.seen)
         return self._begin()
 
     def _target(self) -> Process | None:
@@ -341,11 +340,11 @@ class Disturbed:
         """Change the times of a tenth of the files for two seconds, those of locks and unfinished writes among them."""
         random, until = np.random.default_rng(self.fault.target), time.monotonic() + 2.0
         while time.monotonic() < until and not self.site.ended():
-            for path in self.site.seen.rglob("*"):
-                if random.random() < 0.1:
-                    with contextlib.suppress(OSError):
-                        moment = time.time() + self.fault.amount
-                        os.utime(path, (moment, moment))
+            for folder, names, files in os.walk(self.site.seen):
+                for name in names + files:
+                    if random.random() < 0.1:
+                        with contextlib.suppress(OSError):
+                            os.utime(os.path.join(folder, name), (time.time() + self.fault.amount,) * 2)
             time.sleep(0.05)
 
     def _wait(self) -> None:
@@ -456,6 +455,3 @@ def disturbed(
         return Outcome(fault, f"not tried: {reason}")
     with Site(WORKS[fault.command], limit=limit, stop=stop or threading.Event(), shimmed=fault.kind in SHIMMED) as site:
         return Disturbed(fault, expected, site).run()
-
-
-__all__ = ["DATASET", "ENSEMBLE", "FOREVER", "KINDS", "MODES", "Fault", "Outcome", "disturbed", "drawn", "lacking"]

@@ -106,13 +106,14 @@ def campaign(faults: Mapping[int, Fault], limit: float, at_once: int, keep_going
 
 
 def main() -> int:
+    """Run the campaign of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=100, help="number of faults")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kinds", default=",".join(KINDS), help="of faults")
     parser.add_argument("--kind-of-workers", default=",".join(MODES))
     parser.add_argument("--commands", default=",".join(WORKS))
-    parser.add_argument("--only", type=int, help="number of a single fault")
+    parser.add_argument("--only", help="numbers of single faults: 3,17")
     parser.add_argument("--limit", type=float, default=240.0, help="seconds after which a job hangs")
     parser.add_argument("--at-once", type=int, default=1, help="jobs at the same time: most of their time is spent on waiting")
     parser.add_argument("--keep-going", action="store_true", help="go on after a job that did not do what it must")
@@ -122,7 +123,7 @@ def main() -> int:
     for names, allowed in zip(chosen, (KINDS, MODES, WORKS), strict=True):
         if unknown := [name for name in names if name not in allowed]:
             parser.error(f"{', '.join(unknown)}: allowed are {', '.join(allowed)}")
-    numbers = range(given.count) if given.only is None else [given.only]
+    numbers = range(given.count) if given.only is None else [int(number) for number in given.only.split(",")]
     faults = {number: drawn(given.seed, number, *chosen) for number in numbers}
     if given.list:
         for number, fault in faults.items():
@@ -130,9 +131,8 @@ def main() -> int:
         return 0
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     outcomes = campaign(faults, given.limit, given.at_once, given.keep_going)
-    print(
-        f"\n{len(outcomes)} of {len(faults)} jobs, seed {given.seed}, limit {given.limit:g} s, on {platform.platform()}, {os.cpu_count()} cores\n"
-    )
+    machine = f"{platform.platform()}, {os.cpu_count()} cores"
+    print(f"\n{len(outcomes)} of {len(faults)} jobs, seed {given.seed}, limit {given.limit:g} s, on {machine}\n")
     print(summary(outcomes))
     return 0 if len(outcomes) == len(faults) and all(outcome.good for outcome in outcomes) else 1
 
