@@ -5,6 +5,7 @@ All processes of a job carry a random word in their environment, by which they a
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import ctypes
 import hashlib
@@ -157,7 +158,9 @@ def shim() -> Path | None:
     if compiler is None or sys.platform != "linux":
         return None
     source = Path(__file__).with_name("fault_shim.c")
-    made = Path(tempfile.mkdtemp(prefix="faults-shim-")) / "fault_shim.so"
+    folder = tempfile.mkdtemp(prefix="faults-shim-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    made = Path(folder) / "fault_shim.so"
     subprocess.run([compiler, "-O1", "-shared", "-fPIC", "-o", str(made), str(source), "-ldl"], check=True)
     return made
 

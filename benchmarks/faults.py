@@ -1,6 +1,6 @@
 """Disturb jobs by random faults, and write a table of what became of each.
 
-    python benchmarks/faults.py --count 100 --seed 1 [--kinds stop,kill] [--kind-of-workers local,dask,shards] [--only 17] [--keep-going]
+    python benchmarks/faults.py --count 100 --seed 1 [--kinds stop,kill] [--kind-of-workers local,dask] [--only 17] [--keep-going] [--page]
 
 Each job is a command of seaglint of 120 units over processes of this machine, a Dask cluster or shares (ensembles and data sets have 24
 scenes); the finished output must have the bytes of an undisturbed job, also after a stopped worker woke up, within a limit of time, and a
@@ -12,6 +12,7 @@ the reason where that is lacking. The exit status is 1 if any job did not do wha
 from __future__ import annotations
 
 import argparse
+import datetime
 import os
 import platform
 import signal
@@ -21,10 +22,13 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from functools import cache
+from pathlib import Path
 
 from fault_jobs import WORKS, StoppedError, bytes_of, undisturbed
 from fault_kinds import KINDS, MODES, Fault, Outcome, disturbed, drawn
 
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation" / "faults.md"
+BEGIN, END = "<!-- begin faults -->\n", "<!-- end faults -->"
 HEAD = "| number | fault | job and worker | when | outcome | seconds | line printed |\n|---|---|---|---|---|---|---|"
 
 
@@ -118,6 +122,7 @@ def main() -> int:
     parser.add_argument("--at-once", type=int, default=1, help="jobs at the same time: most of their time is spent on waiting")
     parser.add_argument("--keep-going", action="store_true", help="go on after a job that did not do what it must")
     parser.add_argument("--list", action="store_true", help="print the faults and run nothing")
+    parser.add_argument("--page", action="store_true", help=f"write the numbers of jobs into docs/validation/{PAGE.name}")
     given = parser.parse_args()
     chosen = [tuple(text.split(",")) for text in (given.kinds, given.kind_of_workers, given.commands)]
     for names, allowed in zip(chosen, (KINDS, MODES, WORKS), strict=True):
@@ -131,9 +136,13 @@ def main() -> int:
         return 0
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     outcomes = campaign(faults, given.limit, given.at_once, given.keep_going)
-    machine = f"{platform.platform()}, {os.cpu_count()} cores"
-    print(f"\n{len(outcomes)} of {len(faults)} jobs, seed {given.seed}, limit {given.limit:g} s, on {machine}\n")
-    print(summary(outcomes))
+    machine = f"{os.cpu_count()} processors, Python {platform.python_version()}"
+    setting = f"{datetime.date.today()}: {len(outcomes)} of {len(faults)} jobs, seed {given.seed}, limit {given.limit:g} s; {machine}."
+    text = f"{setting}\n\n{summary(outcomes)}\n"
+    print(f"\n{text}", end="")
+    if given.page:
+        head, rest = PAGE.read_text(encoding="utf-8").split(BEGIN, 1)
+        PAGE.write_text(f"{head}{BEGIN}\n{text}\n{END}{rest.split(END, 1)[1]}", encoding="utf-8")
     return 0 if len(outcomes) == len(faults) and all(outcome.good for outcome in outcomes) else 1
 
 
