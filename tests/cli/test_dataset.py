@@ -125,13 +125,17 @@ def test_an_ensemble_becomes_a_data_set(seaglint, file, tmp_path):
 
 @pytest.mark.validation
 def test_bytes_depend_neither_on_the_workers_nor_on_which_file_tells_the_ensemble(seaglint, file, tmp_path):
-    assert seaglint("dataset", file, "-o", tmp_path / "one", "--format", "sirst", "--progress", "none").code == 0
-    written = shutil.copy(tmp_path / "one" / "ensemble.toml", tmp_path / file.name)
-    assert seaglint("dataset", written, "-o", tmp_path / "two", "--format", "sirst", "--progress", "none", "--workers", 2).code == 0
+    # Lists of SIRST have the name of the folder.
+    one, two, three = (tmp_path / name / "D" for name in ("one", "two", "three"))
+    for folder in (one, two, three):
+        folder.parent.mkdir()
+    assert seaglint("dataset", file, "-o", one, "--format", "sirst", "--progress", "none").code == 0
+    written = shutil.copy(one / "ensemble.toml", tmp_path / file.name)
+    assert seaglint("dataset", written, "-o", two, "--format", "sirst", "--progress", "none", "--workers", 2).code == 0
     rows = sg.ensemble(written, tmp_path / "specks")
     assert [row["scene"] for row in rows] == [0, 1, 2, 3]
-    assert sg.dataset(tmp_path / "specks", tmp_path / "three", format="sirst") == tmp_path / "three"
-    assert digests(tmp_path / "one") == digests(tmp_path / "two") == digests(tmp_path / "three")
+    assert sg.dataset(tmp_path / "specks", three, format="sirst") == three
+    assert digests(one) == digests(two) == digests(three)
 
 
 @pytest.mark.parametrize(
