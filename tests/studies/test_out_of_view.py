@@ -135,17 +135,18 @@ ENSEMBLE = {
             "pixels": [32, 24],
             "elevation_deg": -0.5,
             "optics": {"aperture_m": 0.01, "f_number": 2.0},
-            "detector": {"pitch_um": 15.0, "well_capacity_e": 1e6, "integration_time_s": 0.002, "read_noise_e": 300},
+            "detector": {"pitch_um": 15.0, "well_capacity_e": 1e6, "integration_time_s": 0.0005, "read_noise_e": 300},
         },
         "sea": {"resolve_waves": False},
         "atmosphere": {"source": "none"},
+        "sun": {"azimuth_deg": 0},  # behind the sensor: pixels that the Sun's glint saturates would show no object
         "render": {"oversampling": 2},
     },
     "objects": [
         {
             "name": "spot",
             "count": 3,
-            "shape": {"kind": "point", "intensity_w_sr": 2.0},
+            "shape": {"kind": "point", "intensity_w_sr": {"law": "log_uniform", "min": 0.002, "max": 2.0}},
             "height_m": 5,
             "column": {"law": "uniform", "min": 4, "max": 28},
             "range_m": {"law": "log_uniform", "min": 800, "max": 6000},

@@ -1,6 +1,6 @@
 """Objects of a scenario in its pictures, drawn over the sea, and their labels for the store.
 
-Labels are speed, streak, blur and class of size; those of a detector's counts are in :mod:`seaglint.studies.sequence.object_counts`.
+Labels are speed, streak, blur and class of size; those of a detector's counts are in ``seaglint.studies.sequence.object_counts``.
 """
 
 from __future__ import annotations
