@@ -13,15 +13,21 @@ assumed. The expected rate of a cell is one of three:
 - If the residuals of both stay correlated over the whole image, the rates of rows and columns (depression, distance from the corridor) are
   taken as given, expected = row rate x column rate / rate, and the note reports it.
 
+Exceedances are few, and the lags at which they are correlated are not recognised along the axes: a pattern that drifts is uncorrelated with
+itself at one place after a few frames, but not with the place to which it has moved. Where the sums of z and of z² - 1 of each cell are
+known, w is therefore 1 at all lags at which one of them is correlated, and 0 elsewhere: their correlations are known from all pixels.
+
 References
 ----------
 Politis and Romano 1995, J. Time Ser. Anal. 16, 67 (flat-top windows); Politis and White 2004, Econometric Reviews 23, 53, with their
-rule for m; Dean and Pagano 2015, Surv. Stat. Methodol. 3, 484 (the score interval with an effective number).
+rule for m; Bartlett 1946, Suppl. J. R. Stat. Soc. 8, 27 (noise of correlations); Dean and Pagano 2015, Surv. Stat. Methodol. 3, 484 (the
+score interval with an effective number); Korn and Graubard 1998, Surv. Methodol. 24, 193 (the exact interval with an effective number).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -38,6 +44,23 @@ Reference = Literal["tiles", "region", "margins"]
 FEWEST_TIMES: Final = 12.0
 
 FEWEST_DEGREES: Final = 4.0  #: Least number of degrees of freedom for stating a variance (a factor of two either way).
+
+FEWEST_COUNTS: Final = 10  #: Least number of occurrences for estimating their clustering [1].
+
+LOWER: Final = 0.8  #: Lower threshold from which clusters are estimated as well, over the threshold [1].
+
+#: Note of an interval of fewer than ``FEWEST_COUNTS`` occurrences.
+FEW: Final = f"fewer than {FEWEST_COUNTS} exceedances; the interval takes their clustering from a lower threshold"
+
+#: Correlation of z above which exceedances are taken as correlated [1]; at 3 sigma it is a correlation of exceedances of some 1 %.
+CORRELATED: Final = 0.1
+
+#: Correlation of z from which on it counts in the noise of the other correlations [1].
+#:
+#: Smaller ones are largely noise themselves, whose sum over all lags would exceed every signal.
+_STRONG: Final = 0.3
+
+_ERRORS: Final = 3.0  #: Standard errors by which a correlation of z has to exceed 0.
 
 
 @dataclass(frozen=True)
@@ -105,6 +128,109 @@ def _windows(products: FloatArray, occupied: FloatArray) -> tuple[list[FloatArra
     return windows, independent
 
 
+def correlated_lags(fields: Sequence[FloatArray], pixels: NDArray[np.integer]) -> FloatArray:
+    """Return 1 at each lag at which one of the fields is correlated, and 0 at the others.
+
+    A correlation counts if it exceeds ``CORRELATED`` and three standard errors, by Bartlett sqrt(sum of squared correlations / pairs).
+    The lags need not be neighbours of lag 0: a fast pattern passes over cells between two segments.
+
+    Parameters
+    ----------
+    fields : sequence of ndarray, shape (segments, tile rows, tile columns)
+        Sums of a quantity over the valid pixels of each cell.
+    pixels : ndarray of int
+        Valid pixels of each cell [1].
+
+    Returns
+    -------
+    ndarray, shape (2 segments - 1, 2 tile rows - 1, 2 tile columns - 1)
+        Lag 0 is in the middle [1].
+    """
+    number = np.maximum(np.round(_autocovariance((pixels > 0).astype(np.float64))), 0.0)
+    middle = tuple(n - 1 for n in pixels.shape)
+    pairs = np.maximum(number, 1.0)
+    inside = np.zeros(number.shape, np.bool_)
+    for field in fields:
+        covariance = _autocovariance(field - field.sum() / max(int(pixels.sum()), 1) * pixels) / pairs
+        if not covariance[middle] > 0.0:
+            continue
+        rho = np.abs(covariance / covariance[middle])
+        strong = (rho > _STRONG) & (number > 0.25 * number[middle])
+        noise = np.sqrt(float((rho[strong] ** 2).sum()) / pairs)
+        inside |= (rho > np.maximum(CORRELATED, _ERRORS * noise)) & (number > 0.1 * number[middle])
+    inside[middle] = True
+    return inside.astype(np.float64)
+
+
+def lagged_variance(
+    counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: FloatArray | None, lags: FloatArray
+) -> ClusterVariance | None:
+    """Estimate the variance of counts.sum() / pixels.sum() from the products at given lags, about the region's rate.
+
+    Parameters
+    ----------
+    counts, pixels, shift
+        As in :func:`rate_variance`.
+    lags : ndarray
+        Weight of each lag, from :func:`correlated_lags` [1].
+
+    Returns
+    -------
+    ClusterVariance, optional
+        None where the record holds too few correlation times and lengths.
+    """
+    total, number = int(counts.sum()), int(pixels.sum())
+    rate = total / number
+    occupied = np.maximum(np.round(_autocovariance((pixels > 0).astype(np.float64))), 0.0)
+    most = float(occupied.max())
+    degrees = most / float((lags**2 * occupied / most).sum()) - 1.0
+    # Share of the variance that the subtraction of the estimated rate removed.
+    lost = float((lags * _autocovariance(pixels / number)).sum())
+    if lost >= 0.6 or degrees < FEWEST_DEGREES:
+        return None
+    e = counts - rate * pixels - (0.0 if shift is None else shift)
+    value = float((lags * _autocovariance(e)).sum()) / (1.0 - lost) / number**2
+    return _stated(value, rate, number, degrees)
+
+
+def alarm_variance(
+    counts: Sequence[tuple[NDArray[np.int64], FloatArray | None]], pixels: NDArray[np.int64], fields: Sequence[FloatArray]
+) -> ClusterVariance | None:
+    """Return the variance with the largest inflation of a rate at its threshold and at a lower one, ``LOWER`` times as high.
+
+    The lower threshold has some ten times as many exceedances, so that their clusters are better known. In Gaussian clutter these are at
+    least as large; the clusters of the threshold itself count where bright objects lie in noise.
+
+    Parameters
+    ----------
+    counts : sequence of (ndarray of int, ndarray)
+        Exceedances of each cell at the threshold and at the lower one, with the shift of :func:`rate_variance` [1].
+    pixels : ndarray of int
+        Valid pixels of each cell [1].
+    fields : sequence of ndarray
+        Sums of z and of z² - 1 over each cell [1].
+
+    Returns
+    -------
+    ClusterVariance, optional
+        None where both thresholds have too few exceedances or the record holds too few correlation times and lengths.
+    """
+    number = int(pixels.sum())
+    known = [pair for pair in counts if FEWEST_COUNTS <= int(pair[0].sum()) <= number - FEWEST_COUNTS]
+    if not known:
+        return None
+    lags = correlated_lags(fields, pixels)
+    usable = [variance for some, shift in known if (variance := lagged_variance(some, pixels, shift, lags)) is not None]
+    return max(usable, key=lambda variance: variance.inflation, default=None)
+
+
+def _stated(variance: float, rate: float, number: int, degrees: float, note: str | None = None) -> ClusterVariance:
+    binomial = rate * (1.0 - rate) / number
+    # A variance below independence occurs by chance, or for filters that push neighbours apart; it is accepted down to a quarter.
+    variance = max(variance, 0.25 * binomial)
+    return ClusterVariance(variance, degrees, variance / binomial, note)
+
+
 def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: FloatArray | None = None) -> ClusterVariance:
     """Estimate the variance of counts.sum() / pixels.sum() with correlation between cells that are near in time or space.
 
@@ -151,12 +277,8 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: F
         degrees = float(round((pixels > 0).sum()) / (weight**2 * pair_share).sum()) - (0.0 if from_tiles else 1.0)
         if lost >= 0.6 or degrees < FEWEST_DEGREES:
             continue
-        binomial = rate * (1.0 - rate) / number
-        variance = value / (1.0 - lost) / number**2
-        # A variance below independence occurs by chance, or for filters that push neighbours apart; it is accepted down to a quarter.
-        variance = max(variance, 0.25 * binomial)
         note = "the interval leaves out how rates differ between rows and between columns" if reference == "margins" else None
-        return ClusterVariance(variance, degrees, variance / binomial, note)
+        return _stated(value / (1.0 - lost) / number**2, rate, number, degrees, note)
     return ClusterVariance(None, 0.0, math.nan, "exceedances stay correlated over the whole region and record")
 
 
@@ -186,3 +308,27 @@ def score_interval(count: int, pixels: int, inflation: float, degrees: float, le
     centre = (p + q * q / (2 * n)) / (1 + q * q / n)
     half = q / (1 + q * q / n) * math.sqrt(p * (1 - p) / n + q * q / (4 * n * n))
     return max(centre - half, 0.0), min(centre + half, 1.0)
+
+
+def effective_interval(count: int, pixels: int, inflation: float, degrees: float, level: float) -> tuple[float, float]:
+    """Return the interval of a rate with the effective number of pixels and of occurrences.
+
+    Both numbers are divided by the inflation and by the square of Student's t over the Gaussian quantile. The ends are quantiles of beta
+    distributions: those of the exact interval for fewer than ``FEWEST_COUNTS`` occurrences, and Jeffreys' for more, as the exact interval
+    of a few large clusters is too wide (it contains the rate in 97.8 % in place of 95 %).
+
+    Returns
+    -------
+    low, high : float
+        Bounds of the rate [1].
+    """
+    from scipy.special import betaincinv
+    from scipy.stats import norm, t
+
+    tail = 0.5 * (1.0 - level)
+    wider = float(t.isf(tail, degrees) / norm.isf(tail)) ** 2 * inflation
+    k, n = count / wider, pixels / wider
+    part = 0.0 if count < FEWEST_COUNTS else 0.5
+    low = float(betaincinv(k + part, n - k + 1.0 - part, tail)) if count else 0.0
+    high = float(betaincinv(k + 1.0 - part, n - k + part, 1.0 - tail)) if count < pixels else 1.0
+    return low, high

@@ -13,6 +13,7 @@ One accumulator per region and filter; it holds no frames.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -22,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.jit import njit
-from seaglint.clutter.cluster_variance import ClusterVariance, rate_variance, score_interval
+from seaglint.clutter.cluster_variance import FEW, FEWEST_COUNTS, LOWER, ClusterVariance, alarm_variance, effective_interval, rate_variance
 from seaglint.clutter.exceedances import MAX_LAG, Events, EventTracker, JointExceedances, JointProbability
 from seaglint.clutter.filters import as_frames
 from seaglint.clutter.thresholds import gaussian_rate
@@ -39,25 +40,34 @@ _BINS = round((HIGHEST - LOWEST) / BIN)
 
 SEGMENTS: Final = 256  #: Largest number of time segments of the counts; when it is reached, neighbours are joined.
 
+_INDEPENDENT = f"fewer than {FEWEST_COUNTS} exceedances; the interval takes pixels as independent"
+
 LONE_SHARE: Final = 0.15  #: Share of a region's exceedances above which a single row or column is examined.
 
 LONE_TIMES: Final = 4.0  #: Ratio of the exceedances of a row or column to its neighbours' above which it is reported.
 
 
 @njit
-def _scan(z: np.ndarray, columns: int, tile: int, least: float, histogram: np.ndarray, valid: np.ndarray, index: np.ndarray) -> int:
-    """Add a frame to the histogram and to the valid pixels per tile; store the indices of pixels above ``least``, return their number."""
+def _scan(
+    z: np.ndarray, columns: int, tile: int, least: float, histogram: np.ndarray, valid: np.ndarray, sums: np.ndarray, index: np.ndarray
+) -> int:
+    """Add a frame to the histogram and to the valid pixels per tile; store the indices of pixels above ``least``, return their number.
+
+    Sums of z and of z² - 1 are added to ``sums``, shape (2, tile rows, tile columns).
+    """
     n = 0
     rows = z.size // columns
     for r in range(rows):
         up = r // tile
         for c0 in range(0, columns, tile):
-            number = 0
+            number, total, square = 0, 0.0, 0.0
             for c in range(c0, min(c0 + tile, columns)):
                 value = z[r * columns + c]
                 if np.isnan(value):
                     continue
                 number += 1
+                total += value
+                square += value * value - 1.0
                 place = (value - LOWEST) * _PER_SIGMA
                 if place < 0.0:
                     histogram[0] += 1
@@ -66,6 +76,8 @@ def _scan(z: np.ndarray, columns: int, tile: int, least: float, histogram: np.nd
                 else:
                     histogram[int(place)] += 1
             valid[up, c0 // tile] += number
+            sums[0, up, c0 // tile] += total
+            sums[1, up, c0 // tile] += square
         for i in range(r * columns, (r + 1) * columns):
             if z[i] > least:
                 index[n] = i
@@ -178,6 +190,8 @@ class FalseAlarms:
         self.thresholds = tuple(sorted({float(m) for m in thresholds}))
         if not self.thresholds or not all(0 < m < HIGHEST for m in self.thresholds):
             raise DomainError(f"thresholds = {list(thresholds)}: give numbers of standard deviations above 0 and below {HIGHEST:g}")
+        # Exceedances are counted at lower thresholds as well, for the intervals.
+        self._levels = tuple(sorted({f * m for m in self.thresholds for f in (1.0, LOWER)}))
         self.frames = 0
         self.empty_frames = 0
         self.histogram = np.zeros(_BINS, np.int64)
@@ -200,8 +214,9 @@ class FalseAlarms:
             self._shape = frames.shape[1:]
             # Few enough cells for a transform at the end, small enough to resolve correlations of a few pixels.
             self._tile = max(4, -(-max(self._shape) // 32))
-            self._cells = np.zeros((len(self.thresholds), SEGMENTS, *(-(-n // self._tile) for n in self._shape)), np.int64)
+            self._cells = np.zeros((len(self._levels), SEGMENTS, *(-(-n // self._tile) for n in self._shape)), np.int64)
             self._valid = np.zeros(self._cells.shape[1:], np.int64)
+            self._sums = np.zeros((SEGMENTS, 2, *self._cells.shape[2:]))
             self._rows, self._columns = (np.zeros((len(self.thresholds), n), np.int64) for n in self._shape)
         elif frames.shape[1:] != self._shape:
             raise DataError(f"frames of {frames.shape[1:]} pixels follow frames of {self._shape}; all frames of a sequence have one size")
@@ -213,11 +228,15 @@ class FalseAlarms:
                 self._join()
             s = self.frames // self._per_segment
             before = int(self._valid[s].sum())
-            bright = index[: _scan(frame, columns, self._tile, self.thresholds[0], self.histogram, self._valid[s], index)]
+            least = self._levels[0]
+            bright = index[: _scan(frame, columns, self._tile, least, self.histogram, self._valid[s], self._sums[s], index)]
             valid = int(self._valid[s].sum()) - before
-            for k, m in enumerate(self.thresholds):
-                exceeding = bright if k == 0 else bright[frame[bright] > m]
-                _tally(exceeding, columns, self._tile, self._cells[k, s])
+            for level, m in enumerate(self._levels):
+                exceeding = bright if level == 0 else bright[frame[bright] > m]
+                _tally(exceeding, columns, self._tile, self._cells[level, s])
+                if m not in self._joint:
+                    continue
+                k = self.thresholds.index(m)
                 self._rows[k] += np.bincount(exceeding // columns, minlength=self._shape[0])
                 self._columns[k] += np.bincount(exceeding % columns, minlength=columns)
                 self._joint[m]._add(exceeding, frame.size, valid)
@@ -231,6 +250,8 @@ class FalseAlarms:
         self._valid[:half] = self._valid[0::2] + self._valid[1::2]
         self._cells[:, half:] = 0
         self._valid[half:] = 0
+        self._sums[:half] = self._sums[0::2] + self._sums[1::2]
+        self._sums[half:] = 0
         self._per_segment *= 2
 
     @property
@@ -238,20 +259,23 @@ class FalseAlarms:
         """Valid pixels over all frames."""
         return int(self.histogram.sum())
 
-    def _variance(self, k: int) -> ClusterVariance:
-        m = self.thresholds[k]
+    def _variance(self, m: float) -> ClusterVariance:
         if m not in self._variances:
             # The last segment may hold fewer frames than the others; its number of pixels accounts for that.
             s = -(-self.frames // self._per_segment)
-            self._variances[m] = rate_variance(self._cells[k, :s], self._valid[:s])
+            own, lower = (self._cells[self._levels.index(f * m), :s] for f in (1.0, LOWER))
+            valid = self._valid[:s]
+            by_lags = alarm_variance(((own, None), (lower, None)), valid, (self._sums[:s, 0], self._sums[:s, 1]))
+            few = int(own.sum()) < FEWEST_COUNTS
+            self._variances[m] = by_lags or (ClusterVariance(0.0, math.inf, 1.0, _INDEPENDENT) if few else rate_variance(own, valid))
         return self._variances[m]
 
     def rates(self, level: float = 0.95) -> list[FalseAlarmRate]:
         """Return the rate at each threshold with its confidence interval of a level, lowest threshold first.
 
-        The interval is Wilson's with an effective number of pixels (``seaglint.clutter.cluster_variance.rate_variance``). A threshold
-        with fewer than 10 exceedances takes the inflation of the next lower one that has more, or else independent pixels; ``note`` reports
-        it.
+        The interval has an effective number of pixels (``seaglint.clutter.cluster_variance.effective_interval``), from the clusters of
+        exceedances of the threshold and of a lower one. Fewer than 10 exceedances take those of the lower threshold, or else independent
+        pixels; ``note`` reports it.
 
         Raises
         ------
@@ -262,30 +286,20 @@ class FalseAlarms:
             raise DomainError(f"level = {level:g} is not between 0 and 1; choose e.g. 0.95")
         pixels = self.pixels
         out: list[FalseAlarmRate] = []
-        known: ClusterVariance | None = None
-        for k, m in enumerate(self.thresholds):
+        for m in self.thresholds:
             gaussian = float(gaussian_rate(m))
             if pixels == 0:
                 empty = "no pixel with a standard deviation in the region"
                 out.append(FalseAlarmRate(m, 0, 0, float("nan"), None, None, level, gaussian, None, None, empty, empty))
                 continue
-            count = int(self._cells[k].sum())
+            count = int(self._cells[self._levels.index(m)].sum())
             time, why = self.joint(m).correlation_time()
-            note: str | None = None
-            if count >= 10:
-                variance = known = self._variance(k)
-                note = variance.note
-            elif known is not None:
-                variance, note = known, "fewer than 10 exceedances; the interval takes their clustering from a lower threshold"
-            else:
-                variance = ClusterVariance(0.0, float("inf"), 1.0)
-                note = "fewer than 10 exceedances; the interval takes pixels as independent"
+            variance = self._variance(m)
+            note = variance.note or (FEW if count < FEWEST_COUNTS else None)
             low = high = inflation = None
             if variance.variance is not None:
                 inflation = variance.inflation
-                low, high = score_interval(count, pixels, inflation, variance.degrees, level)
-            else:
-                note = variance.note
+                low, high = effective_interval(count, pixels, inflation, variance.degrees, level)
             out.append(FalseAlarmRate(m, count, pixels, count / pixels, low, high, level, gaussian, inflation, time, note, why))
         return out
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, DomainError
+from seaglint.clutter.cluster_variance import LOWER
 from seaglint.clutter.false_alarms import HIGHEST, FalseAlarms
 from seaglint.clutter.thresholds import frame_scale
 from seaglint.detection.interface import Detector, Frames, statistics
@@ -239,9 +240,11 @@ def count_false_alarms(background: Background, threshold: Threshold, level: floa
         cells.add(k, z)
         with_alarm[k] = bool((z > threshold.sigma).any())
     curve = alarms.curve()
-    # The density of z converts a shift of the threshold to a number of pixels.
-    density = curve_density(curve.threshold, curve.exceedances, threshold.sigma) / max(curve.pixels, 1)
-    per_pixel = cells.false_alarm_interval(density, level)
+    # The density of z converts a shift of a threshold to a number of pixels.
+    at, below = (
+        curve_density(curve.threshold, curve.exceedances, m) / max(curve.pixels, 1) for m in (threshold.sigma, LOWER * threshold.sigma)
+    )
+    per_pixel = cells.false_alarm_interval((at, below), level)
     per_frame = interval(with_alarm[:, None, None], np.ones((windows, 1, 1), np.int64), None, level)
     return FalseAlarmCount(alarms, cells, per_pixel, per_frame)
 

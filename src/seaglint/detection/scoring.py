@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import njit
-from seaglint.clutter.cluster_variance import rate_variance, score_interval
+from seaglint.clutter.cluster_variance import FEW, FEWEST_COUNTS, LOWER, alarm_variance, effective_interval, rate_variance, score_interval
 from seaglint.clutter.false_alarms import RateCurve
 from seaglint.detection.injection import Batch
 
@@ -27,8 +27,6 @@ SEGMENTS: Final = 256  #: Largest number of time segments in which exceedances a
 TILES: Final = 32  #: Largest number of tiles of a frame along an axis.
 
 COARSER: Final = 4  #: Number of tiles and segments of the background in one of the injections' cells: an object is rarer than a pixel.
-
-FEWEST: Final = 10  #: Least number of occurrences for estimating their clustering.
 
 FEWEST_SEQUENCES: Final = 6  #: Least number of independent sequences whose scatter alone gives the intervals.
 
@@ -109,8 +107,8 @@ class Scores:
 
 
 @njit
-def _sum_cells(z: np.ndarray, tile: int, threshold: float, sums: np.ndarray) -> None:
-    """Add pixels, exceedances, z and z² - 1 of one frame to the sums of its tiles, shape (4, tile rows, tile columns)."""
+def _sum_cells(z: np.ndarray, tile: int, threshold: float, lower: float, sums: np.ndarray) -> None:
+    """Add pixels, exceedances, z, z² - 1 and pixels above ``lower`` to the sums of a frame's tiles, shape (5, tile rows, tile columns)."""
     for i in range(z.shape[0]):
         for j in range(z.shape[1]):
             value = z[i, j]
@@ -122,6 +120,8 @@ def _sum_cells(z: np.ndarray, tile: int, threshold: float, sums: np.ndarray) -> 
                 sums[1, a, b] += 1.0
             sums[2, a, b] += value
             sums[3, a, b] += value * value - 1.0
+            if value > lower:
+                sums[4, a, b] += 1.0
 
 
 class SegmentSums:
@@ -151,15 +151,15 @@ class SegmentSums:
         # Tiles of 4 pixels or more, and so large that there are at most TILES along an axis.
         self.tile = max(4, -(-max(rows, columns) // TILES))
         segments = -(-frames // self.per_segment)
-        self.sums = np.zeros((segments, 4, -(-rows // self.tile), -(-columns // self.tile)))
+        self.sums = np.zeros((segments, 5, -(-rows // self.tile), -(-columns // self.tile)))
 
     def add(self, frame: int, z: NDArray[np.float32]) -> None:
         """Add one frame of z, shape (rows, columns), NaN where missing."""
         one = np.zeros(self.sums.shape[1:])
-        _sum_cells(z, self.tile, self.threshold, one)
+        _sum_cells(z, self.tile, self.threshold, LOWER * self.threshold, one)
         self.sums[frame // self.per_segment] += one
         if self.each:
-            self._sequences[frame // self.each] += one.sum(axis=(1, 2))
+            self._sequences[frame // self.each] += one[:4].sum(axis=(1, 2))
 
     @property
     def pixels(self) -> int:
@@ -171,20 +171,36 @@ class SegmentSums:
         """Number of pixels above the threshold."""
         return int(self.sums[:, 1].sum())
 
-    def _moved(self) -> FloatArray:
-        """Shift of the threshold by each cell [standard deviations], times all pixels."""
-        return np.asarray(self.sums[:, 2] + 0.5 * self.threshold * self.sums[:, 3]) * float(self.estimated)
+    def _moved(self, threshold: float) -> FloatArray:
+        """Shift of a threshold by each cell [standard deviations], times all pixels."""
+        return np.asarray(self.sums[:, 2] + 0.5 * threshold * self.sums[:, 3]) * float(self.estimated)
 
     def _moved_by_sequences(self) -> FloatArray:
         """Shift of the threshold by each independent sequence [standard deviations], times all pixels."""
         return np.asarray(self._sequences[:, 2] + 0.5 * self.threshold * self._sequences[:, 3]) * float(self.estimated)
 
-    def false_alarm_interval(self, density: float, level: float) -> Interval:
-        """Interval of the rate of exceedances; ``density``: of z at the threshold [per standard deviation]."""
-        counts = self.sums[:, 1].astype(np.int64)
+    def false_alarm_interval(self, density: tuple[float, float], level: float) -> Interval:
+        """Interval of the rate of exceedances.
+
+        Parameters
+        ----------
+        density : (float, float)
+            Density of z at the threshold, and at ``LOWER`` times the threshold [per standard deviation].
+        level : float
+            Confidence level of the interval [1].
+        """
         if self.each:
-            return interval_of_sequences(self._sequences[:, 1], self._sequences[:, 0], density * self._moved_by_sequences(), level)
-        return interval(counts, self.sums[:, 0].astype(np.int64), density * self._moved(), level)
+            return interval_of_sequences(self._sequences[:, 1], self._sequences[:, 0], density[0] * self._moved_by_sequences(), level)
+        pixels, counts, lower = (self.sums[:, k].astype(np.int64) for k in (0, 1, 4))
+        count, number = int(counts.sum()), int(pixels.sum())
+        if number == 0:
+            return interval(counts, pixels, None, level)
+        own, below = (d * self._moved(m) for d, m in zip(density, (self.threshold, LOWER * self.threshold), strict=True))
+        variance = alarm_variance(((counts, own), (lower, below)), pixels, (self.sums[:, 2], self.sums[:, 3]))
+        if variance is None:
+            return interval(counts, pixels, own, level)
+        low, high = effective_interval(count, number, variance.inflation, variance.degrees, level)
+        return Interval(count / number, low, high, variance.inflation, None if count >= FEWEST_COUNTS else FEW)
 
     def detection_interval(self, scores: Scores, level: float) -> Interval:
         """Interval of the share of objects above the threshold."""
@@ -204,13 +220,14 @@ class SegmentSums:
         # Cells of objects are coarser than cells of pixels: an object is rarer.
         few = max(self.sums.shape[0] // (SEGMENTS // COARSER), 1)
         place = (segment // few, scores.row // self.tile // coarser, scores.column // self.tile // coarser)
-        sizes, steps = self._moved().shape, (few, coarser, coarser)
+        cell_shift = self._moved(self.threshold)
+        sizes, steps = cell_shift.shape, (few, coarser, coarser)
         shape = tuple(-(-n // d) for n, d in zip(sizes, steps, strict=True))
         objects, counts, moved = np.zeros(shape, np.int64), np.zeros(shape, np.int64), np.zeros(shape)
         np.add.at(objects, place, 1)
         np.add.at(counts, place, hits)
         a, b, c = (np.arange(n) // d for n, d in zip(sizes, steps, strict=True))
-        np.add.at(moved, (a[:, None, None], b[:, None], c), self._moved())
+        np.add.at(moved, (a[:, None, None], b[:, None], c), cell_shift)
         shift = moved * scores.density(self.threshold) * hits.size / max(self.pixels, 1)
         return interval(counts, objects, shift, level)
 
@@ -234,7 +251,7 @@ class Interval:
 def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level: float) -> Interval:
     """Return Wilson's interval with the effective number of trials from the scatter between cells.
 
-    Fewer than ``FEWEST`` occurrences, or as few that did not occur, are taken as independent, with the exact interval
+    Fewer than ``FEWEST_COUNTS`` occurrences, or as few that did not occur, are taken as independent, with the exact interval
     (:func:`exact_interval`) and a note.
 
     Parameters
@@ -250,10 +267,10 @@ def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level
     if number == 0:
         return Interval(float("nan"), None, None, float("nan"), "no trials")
     rate = count / number
-    if min(count, number - count) < FEWEST:
+    if min(count, number - count) < FEWEST_COUNTS:
         low, high = exact_interval(count, number, level)
-        which = "events" if count < FEWEST else "misses"
-        return Interval(rate, low, high, 1.0, f"fewer than {FEWEST} {which}; the interval assumes independent trials")
+        which = "events" if count < FEWEST_COUNTS else "misses"
+        return Interval(rate, low, high, 1.0, f"fewer than {FEWEST_COUNTS} {which}; the interval assumes independent trials")
     scatter = rate_variance(counts, trials, shift)
     if scatter.variance is None:
         return Interval(rate, None, None, scatter.inflation, scatter.note)
@@ -310,11 +327,11 @@ def interval_of_sequences(counts: FloatArray, trials: FloatArray, shift: FloatAr
     if number == 0:
         return Interval(float("nan"), None, None, float("nan"), "no trials")
     rate = count / number
-    few = min(count, number - count) < FEWEST
+    few = min(count, number - count) < FEWEST_COUNTS
     if few or sequences < 2:
-        which = "events" if count < FEWEST else "misses" if few else "sequences"
+        which = "events" if count < FEWEST_COUNTS else "misses" if few else "sequences"
         low, high = exact_interval(count, number, level)
-        return Interval(rate, low, high, 1.0, f"fewer than {FEWEST if few else 2} {which}; the interval assumes independent trials")
+        return Interval(rate, low, high, 1.0, f"fewer than {FEWEST_COUNTS if few else 2} {which}; the interval assumes independent trials")
     # Counts that the common threshold moves with the sequence's own mean and deviation are part of the residual.
     residual = counts - rate * trials + (0.0 if shift is None else shift)
     variance = sequences / (sequences - 1) * float((residual[used] ** 2).sum()) / number**2

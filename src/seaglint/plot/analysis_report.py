@@ -219,8 +219,8 @@ def _methods(analysis: Analysis) -> list[str]:
         f"Filter: {options.filter.name}, applied to whole frames; the nearest pixel is repeated beyond the border, and the pixels that see "
         f"it are {'counted' if analysis.border_included else 'left out of sigma and rates'}.",
         f"Thresholds are on the bright side, in standard deviations of the filtered image above its mean: {_SIGMA[options.scope]}.",
-        "A rate is the number of pixels above the threshold over the number of pixels looked at. Its interval is Wilson's with an "
-        "effective number of pixels from the scatter of counts between tiles and times.",
+        "A rate is the number of pixels above the threshold over the number of pixels looked at. Its interval has an "
+        "effective number of pixels, from the scatter of counts between tiles and times at this threshold and at a lower one.",
         "Correlation times of exceedances and of brightness are where the correlation falls to 1/e; lengths likewise.",
         "Fits are by maximum likelihood with location 0 (Gaussian: fitted); intervals come from blocks some correlation lengths wide where "
         "there are enough of them, else from the number of independent values. Levels of KS (Kolmogorov-Smirnov) and AD "

@@ -139,7 +139,7 @@ def _mot_line(part: DatasetScene, row: DatasetObject, numbers: Mapping[str, int]
     piece = max(row.pieces, key=lambda one: one.area)
     left, top, width, height = piece.box
     visible = (row.values["visible_share"] or 0.0) * piece.area / sum(one.area for one in row.pieces)
-    considered = 1  # 0 marks boxes that scores leave out
+    considered = int(not part.ignores(row))  # scores leave out boxes with 0
     place = f"{row.frame + 1},{row.number + 1},{left + 1},{top + 1},{width},{height}"
     return f"{place},{considered},{numbers[part.categories[row.number]]},{visible:.6g}\n"
 
