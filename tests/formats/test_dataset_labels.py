@@ -115,7 +115,7 @@ def test_a_ratio_that_leaves_nothing_is_one_line_and_a_lower_one_goes_on_without
     again = made(stores, tmp_path / "D", form, resume=True, progress=lambda done, _: progress.append(done))
     assert progress == [SCENES]
     assert highest == pytest.approx(max(float(row["snr"]) for row in truth(again) if row["snr"]), rel=1e-3)
-    fresh = made(stores, tmp_path / "other", form)
+    fresh = made(stores, tmp_path / "fresh" / "D", form)  # lists of SIRST are named by the folder
     for path in sorted(path.relative_to(fresh) for path in fresh.rglob("*") if path.is_file()):
         assert (again / path).read_bytes() == (fresh / path).read_bytes(), path
     with pytest.raises(DataError, match="made with another min_snr"):
@@ -163,5 +163,5 @@ def test_options_that_are_none_are_one_line(least, masks):
 def test_difficulty_has_its_limits(snr, visible, area, expected):
     pieces = (Piece((0, 0, area, 1), area, ""),) if area else ()
     row = DatasetObject(0, 0, {"visible_share": visible}, None, None, snr, pieces)
-    part = DatasetScene("0", "train", 1, (9, 99), 1.0, None, ("a",), ("a",), (), (row,), {}, "geometric", 1.0)
+    part = DatasetScene("0", "train", 1, (9, 99), 1.0, ("a",), ("a",), (), (row,), {}, "geometric", 1.0)
     assert part.difficulty(row) == expected

@@ -134,11 +134,13 @@ def test_trackeval_scores_the_truth_of_mot_as_perfect(sets, tmp_path, split):
     assert scores_of_truth(trackeval, dataset) == {"HOTA": 1.0, "MOTA": 1.0, "objects": seen}
 
 
-def test_an_object_over_the_seam_is_once_in_a_frame_of_mot():
+@pytest.mark.parametrize(("snr", "considered"), [(None, 1), (3.0, 1), (0.5, 0)])
+def test_an_object_over_the_seam_is_once_in_a_frame_of_mot(snr, considered):
     pieces = (Piece((0, 4, 2, 3), 6, ""), Piece((27, 4, 5, 3), 14, ""))
-    row = DatasetObject(1, 0, {"visible_share": 0.5}, None, None, pieces)
-    part = DatasetScene("0000", "train", 1, (ROWS, COLUMNS), 30.0, ("ship",), ("ship",), (DatasetFrame("a", 0, 0.0),), (row,), {})
-    assert _mot_line(part, row, {"ship": 3}) == "2,1,28,5,5,3,1,3,0.35\n"
+    row = DatasetObject(1, 0, {"visible_share": 0.5}, None, None, snr, pieces)
+    frames = (DatasetFrame("a", 0, 0.0),)
+    part = DatasetScene("0000", "train", 1, (ROWS, COLUMNS), 30.0, ("ship",), ("ship",), frames, (row,), {}, "geometric", 1.0)
+    assert _mot_line(part, row, {"ship": 3}) == f"2,1,28,5,5,3,{considered},3,0.35\n"
 
 
 def test_coco_video_has_the_frames_of_videos_in_order(sets):

@@ -12,6 +12,7 @@ import logging
 import queue
 import re
 import shutil
+import threading
 import time
 import tomllib
 import uuid
@@ -320,10 +321,28 @@ def client_of(address: Any, shown: str) -> Any:
     """
     import distributed
 
-    client: Any = distributed.Client  # without types of its own
+    made: concurrent.futures.Future[Any] = concurrent.futures.Future()
+
+    def make() -> None:
+        try:
+            # without types of its own
+            client: Any = distributed.Client(address, timeout=CONNECT, set_as_default=False, name="seaglint")  # type: ignore[no-untyped-call]
+        except BaseException as error:
+            if made.set_running_or_notify_cancel():
+                made.set_exception(error)
+            return
+        if not made.set_running_or_notify_cancel():  # it comes too late
+            with suppress(Exception):
+                client.close(timeout=2)
+            return
+        made.set_result(client)
+
+    # The client's own limit does not cover a scheduler that is stopped: it accepts connections and answers nothing.
+    threading.Thread(target=make, daemon=True).start()
     try:
-        return client(address, timeout=CONNECT, set_as_default=False, name="seaglint")
-    except (OSError, TimeoutError, ValueError) as error:
+        return made.result(2 * CONNECT)
+    except (OSError, TimeoutError, concurrent.futures.TimeoutError, ValueError) as error:
+        made.cancel()
         raise BackendError(
             f"{shown}: no Dask scheduler answers within {CONNECT:g} s; start one with 'dask scheduler', or see address and firewall"
         ) from error
