@@ -115,6 +115,7 @@ def test_a_ratio_that_leaves_nothing_is_one_line_and_a_lower_one_goes_on_without
     again = made(stores, tmp_path / "D", form, resume=True, progress=lambda done, _: progress.append(done))
     assert progress == [SCENES]
     assert highest == pytest.approx(max(float(row["snr"]) for row in truth(again) if row["snr"]), rel=1e-3)
+    (tmp_path / "fresh").mkdir()
     fresh = made(stores, tmp_path / "fresh" / "D", form)  # lists of SIRST are named by the folder
     for path in sorted(path.relative_to(fresh) for path in fresh.rglob("*") if path.is_file()):
         assert (again / path).read_bytes() == (fresh / path).read_bytes(), path
