@@ -6,18 +6,15 @@ import pickle
 import queue
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final, Protocol
 
 from seaglint.base.errors import BackendError, SeaglintError, one_line
 from seaglint.cluster.job import ATTEMPTS, Done, Failed
-from seaglint.cluster.overdue import POLL, Patience, silence
+from seaglint.cluster.overdue import POLL, Limits, Patience, silence
 from seaglint.cluster.remote import Started, Unfit
-
-if TYPE_CHECKING:
-    from seaglint.cluster.dask import DaskWorkers
 
 REFRESH: Final = 2.0  #: Time between two queries of the list of workers [s].
 
@@ -54,10 +51,39 @@ class SchedulerGoneError(Exception):
     """The connection to the scheduler is lost."""
 
 
+class Connection(Protocol):
+    """Workers of a scheduler as the progress of a job needs them; see ``seaglint.cluster.dask.DaskWorkers``."""
+
+    inbox: queue.SimpleQueue[Any]
+    silent: set[str]
+    report: Callable[[str], None]
+    patience: float
+    limits: Limits
+
+    @property
+    def count(self) -> int: ...  # noqa: D102
+
+    @property
+    def idle(self) -> bool: ...  # noqa: D102
+
+    @property
+    def connected(self) -> bool: ...  # noqa: D102
+
+    def look(self, *, at_once: bool = False) -> tuple[str, ...]: ...  # noqa: D102
+
+    def submit(self, units: list[Any], content: bytes) -> tuple[list[Any], frozenset[str]]: ...  # noqa: D102
+
+    def processing(self) -> dict[str, list[str]]: ...  # noqa: D102
+
+    def cancel(self, futures: list[Any]) -> None: ...  # noqa: D102
+
+    def reconnect(self) -> None: ...  # noqa: D102
+
+
 class DaskMapping:
     """Progress of one job over the Dask workers."""
 
-    def __init__(self, workers: DaskWorkers, content: bytes, units: Iterable[Any]) -> None:
+    def __init__(self, workers: Connection, content: bytes, units: Iterable[Any]) -> None:
         self.workers, self.content, self.source = workers, content, iter(units)
         self.patience = Patience(workers.limits)
         self.again: deque[_DaskTask] = deque()
