@@ -71,7 +71,7 @@ def test_a_unit_that_raises_is_tried_again_and_named(kind, two, tmp_path):
     assert all(isinstance(one, Done) for one in found.values())
 
 
-def test_a_unit_that_kills_its_process_is_given_up_and_the_rest_goes_on(two, tmp_path):
+def test_a_unit_that_kills_its_process_is_given_up_and_the_rest_goes_on(two, tmp_path, caplog):
     units = ["kill", *(f"unit {k}" for k in range(6)), "once"]
     found = {one.unit: one for one in outcomes(two, toy_jobs.lines, str(tmp_path), units)}
     failed = found.pop("kill")
@@ -82,6 +82,8 @@ def test_a_unit_that_kills_its_process_is_given_up_and_the_rest_goes_on(two, tmp
     assert {unit: one.record for unit, one in found.items()} == {unit: unit.upper() for unit in units[1:]}
     assert len(toy_jobs.attempts(tmp_path, "once")) == 2
     assert all(len(toy_jobs.attempts(tmp_path, f"unit {k}")) == 1 for k in range(6))
+    lines = [line for line in caplog.messages if "was killed by SIGKILL; its unit is given to another process" in line]
+    assert len(lines) == ATTEMPTS  # two of the unit that is given up, and the one of "once"
 
 
 def test_a_process_killed_from_outside_is_replaced(two, tmp_path):

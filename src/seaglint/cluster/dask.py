@@ -150,6 +150,9 @@ class DaskWorkers:
         if at_once or time.monotonic() - self._looked >= REFRESH:
             self._present = tuple(self._ask(self._client.nthreads))
             now = self._looked = time.monotonic()
+            if self._mapping and (gone := sorted(self._known.keys() - set(self._present))):
+                which = f"worker {gone[0]} has" if len(gone) == 1 else f"{len(gone)} workers ({_some(gone)}) have"
+                self.report(f"{which} left the Dask scheduler; units in progress there are given to other workers")
             for states in (self._known, self._refused, self._pauses):
                 for address in states.keys() - set(self._present):  # another worker may have its address later
                     del states[address]

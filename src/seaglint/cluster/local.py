@@ -399,8 +399,11 @@ class _LocalMapping:
         """Remove a process that has ended, and queue its unit again; return the outcome of a unit without further attempts."""
         self.workers.remove(worker)
         end = worker.end()
-        if worker.task is not None:
-            return self._again(worker.task, f"worker process {worker.number} {how or end}", "")
+        if (task := worker.task) is not None:
+            outcome = self._again(task, f"worker process {worker.number} {how or end}", "")
+            if task in self.queue:  # a unit without further attempts is reported by the caller
+                self.report(f"worker process {worker.number} {how or end}; its unit is given to another process")
+            return outcome
         if not worker.ready:
             self.lost_at_start += 1
             if self.lost_at_start >= ATTEMPTS and not self.workers:

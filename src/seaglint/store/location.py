@@ -9,6 +9,7 @@ other's entries without an error, so each shard is written by one process. Withi
 
 from __future__ import annotations
 
+import glob
 import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
@@ -243,9 +244,12 @@ class Local:
         (self.errors / name).write_text(text, encoding="utf-8")
 
     def sweep(self) -> None:
-        """Remove tracebacks, and chunks that a killed process left half-written (Zarr writes them beside their place)."""
+        """Remove tracebacks and what killed processes left: half-written chunks beside their place, and locks of shares."""
         for path in filter(Path.is_file, self.work.rglob("*.partial")):
             path.unlink()
+        for path in self.work.parent.glob(f"{glob.escape(self.work.name)}.share-*-of-*.lock"):
+            with suppress(OSError):
+                path.unlink()
         shutil.rmtree(self.errors, ignore_errors=True)
 
     def give_name(self) -> None:
