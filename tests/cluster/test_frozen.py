@@ -205,6 +205,17 @@ def test_a_dask_worker_stopped_for_ever(seed, cluster, tmp_path):
 
 
 @pytest.mark.validation
+def test_a_dask_worker_that_is_killed_is_reported(cluster, tmp_path):
+    said: list[str] = []
+    with cluster.connected(said) as workers, workers.map(Job(toy_jobs.lines, str(tmp_path)), [*UNITS, "sleep 6"]) as outcomes:
+        done = [next(outcomes)]
+        cluster.workers[0].kill()
+        done += outcomes
+        require_all(done, [*UNITS, "sleep 6"])
+    assert [line for line in said if "has left the Dask scheduler; units in progress there are given to other workers" in line]
+
+
+@pytest.mark.validation
 def test_a_dask_worker_that_goes_on(cluster, tmp_path):
     said: list[str] = []
     with cluster.connected(said) as workers:
