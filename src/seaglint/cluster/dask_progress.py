@@ -61,23 +61,39 @@ class Connection(Protocol):
     limits: Limits
 
     @property
-    def count(self) -> int: ...  # noqa: D102
+    def count(self) -> int:
+        """Return the number of workers that units can be given to."""
+        ...
 
     @property
-    def idle(self) -> bool: ...  # noqa: D102
+    def idle(self) -> bool:
+        """Return True if a unit can be given to a worker."""
+        ...
 
     @property
-    def connected(self) -> bool: ...  # noqa: D102
+    def connected(self) -> bool:
+        """Return True while the scheduler is connected."""
+        ...
 
-    def look(self, *, at_once: bool = False) -> tuple[str, ...]: ...  # noqa: D102
+    def look(self, *, at_once: bool = False) -> tuple[str, ...]:
+        """Return the addresses of the workers that can be used."""
+        ...
 
-    def submit(self, units: list[Any], content: bytes) -> tuple[list[Any], frozenset[str]]: ...  # noqa: D102
+    def submit(self, units: list[Any], content: bytes) -> tuple[list[Any], frozenset[str]]:
+        """Return futures of units and the workers that may do them (empty for all)."""
+        ...
 
-    def processing(self) -> dict[str, list[str]]: ...  # noqa: D102
+    def processing(self) -> dict[str, list[str]]:
+        """Return the keys of the tasks of each worker."""
+        ...
 
-    def cancel(self, futures: list[Any]) -> None: ...  # noqa: D102
+    def cancel(self, futures: list[Any]) -> None:
+        """Cancel futures."""
+        ...
 
-    def reconnect(self) -> None: ...  # noqa: D102
+    def reconnect(self) -> None:
+        """Wait until the scheduler answers again."""
+        ...
 
 
 class DaskMapping:
