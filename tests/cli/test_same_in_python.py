@@ -77,8 +77,9 @@ def test_frames_are_those_of_the_store_and_of_its_labels(tmp_path, camera):
             np.testing.assert_array_equal(frame[name].to_numpy(), truth[name].isel(frame=number).to_numpy())
         for side in ("left", "top", "width", "height"):
             np.testing.assert_array_equal(frame.boxes.sel(side=side).to_numpy(), frame[f"bbox_{side}_px"].to_numpy())
-    for label in Labels.of(tmp_path / "run.zarr"):
-        np.testing.assert_array_equal(frames[label.frame].masks.isel(object=label.number).to_numpy(), label.mask)
+    for kind, name in (("geometric", "masks"), *((("response", "response_masks"),) if camera else ())):
+        for label in Labels.of(tmp_path / "run.zarr", kind):
+            np.testing.assert_array_equal(frames[label.frame][name].isel(object=label.number).to_numpy(), label.mask)
     assert int(frames[0].masks.isel(object=0).sum()) > 0
 
 

@@ -126,8 +126,9 @@ def frames(
         Of each frame the arrays that :func:`render` writes, equal to the last bit: ``signal`` [counts, (y, x)] of a scenario with a
         detector, else ``radiance`` [W m-2 sr-1, (y, x)], and the scenario's ``render.layers``. With objects also ``names``; ``classes``,
         which are the preset, else the kind of shape, as in data sets; ``boxes``, first column and row, number of columns and rows [px,
-        (object, side)]; ``masks`` [(object, y, x)]; ``object_id`` [(y, x)]; and the numbers that :func:`labels` gives, over ``object``. An
-        object that is nowhere in view has NaN as box and an empty mask.
+        (object, side)]; ``masks`` [(object, y, x)], the pixels that an object touches, and of a scenario with a detector
+        ``response_masks`` [(object, y, x)], those of its response after the optics; ``object_id`` [(y, x)]; and the numbers that
+        :func:`labels` gives, over ``object``. An object that is nowhere in view has NaN as box and an empty mask.
 
     Raises
     ------
