@@ -1,8 +1,8 @@
 """Measure the intervals of false-alarm rates in correlated clutter: coverage, and width against the ideal one.
 
-Usage: ``python benchmarks/alarm_intervals.py [--clips N] [--kinds K ...] [--seed S]``; the table is that of docs/validation/detection.md. The clips
-are Gaussian, with a known rate, except those of the kind ``gamma``. The ideal width follows from the variance of the rate in closed form
-(:func:`exact_variance`), which shares nothing with the estimate from the counts of one clip.
+Usage: ``python benchmarks/alarm_intervals.py [--clips N] [--kinds K ...] [--seed S] [--analyze]``; the table is that of
+docs/validation/detection.md. The clips are Gaussian, with a known rate, except those of the kind ``gamma``. The ideal width follows from
+the variance of the rate in closed form (:func:`exact_variance`), which shares nothing with the estimate from the counts of one clip.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ from scipy.special import gammaincc, gammaincinv, ndtr, ndtri
 
 from seaglint.analysis import Recording
 from seaglint.base.conventions import FloatArray
+from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
+from seaglint.clutter.thresholds import standardise
 from seaglint.detection.background import Background, FalseAlarmCount, Law, count_false_alarms
 from seaglint.detection.spatial import FilterThreshold
 
@@ -155,6 +157,24 @@ def judged(one: Clip) -> FalseAlarmCount:
     return count_false_alarms(background, background.threshold(one.threshold, one.law))
 
 
+def analysed(one: Clip) -> FalseAlarmRate:
+    """Return the false alarms of a clip as ``seaglint analyze --scope sequence`` counts them, by the mean and deviation of the clip."""
+    alarms = FalseAlarms((one.threshold,))
+    alarms.add(standardise(one.frames, scope="sequence", scale=(float(one.frames.mean()), float(one.frames.std()))))
+    return alarms.rates()[0]
+
+
+def of_analyze(clips: int, seed: int) -> None:
+    """Print the number of intervals of ``seaglint analyze`` that contain the true rate, by kind."""
+    print("| kind | inside | too low, too high | no interval |")
+    print("|---" * 4 + "|")
+    for kind in KINDS:
+        pairs = [(one.rate, analysed(one)) for one in (clip(kind, number, seed) for number in range(clips))]
+        stated = [(rate, a.rate_low, a.rate_high) for rate, a in pairs if a.rate_low is not None and a.rate_high is not None]
+        below, above = (sum(c) for c in zip(*((high < rate, low > rate) for rate, low, high in stated), strict=True))
+        print(f"| {kind} | {len(stated) - below - above} of {len(stated)} | {below}, {above} | {clips - len(stated)} |", flush=True)
+
+
 def exact_variance(one: Clip) -> float:
     """Return the variance of the rate of a Gaussian clip [1].
 
@@ -246,5 +266,9 @@ if __name__ == "__main__":
     parser.add_argument("--clips", type=int, default=200, help="clips of each kind")
     parser.add_argument("--kinds", nargs="*", choices=[*KINDS, "gamma"], default=[*KINDS, "gamma"])
     parser.add_argument("--seed", type=int, default=SEED, help="of the clips")
+    parser.add_argument("--analyze", action="store_true", help="intervals of analyze in place of detect")
     given = parser.parse_args()
-    main(given.clips, tuple(given.kinds), given.seed)
+    if given.analyze:
+        of_analyze(given.clips, given.seed)
+    else:
+        main(given.clips, tuple(given.kinds), given.seed)

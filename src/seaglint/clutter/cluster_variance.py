@@ -97,7 +97,7 @@ def _products(e: FloatArray) -> FloatArray:
 
 def _autocovariance(e: FloatArray) -> FloatArray:
     """Return sums of products at every lag, centred (zero lag in the middle), full range."""
-    return _products(e)[np.ix_(*(np.arange(-(n - 1), n) for n in e.shape))]
+    return np.asarray(_products(e)[np.ix_(*(np.arange(-(n - 1), n) for n in e.shape))], np.float64)
 
 
 def _cutoff(covariance: FloatArray, cells: float) -> int | None:
