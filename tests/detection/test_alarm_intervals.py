@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.stats import norm
 
 from alarm_intervals import KINDS, Clip, clip, exact_variance, judged, measured
-from seaglint.clutter.cluster_variance import correlated_lags, effective_interval
+from seaglint.clutter.cluster_variance import CorrelatedLags, effective_interval
 
 
 @pytest.mark.parametrize("law", ["fixed", "sigma"])
@@ -33,10 +33,13 @@ def test_lags_follow_a_pattern_that_drifts() -> None:
     """One tile to the right each frame: lag (1, 0, 1) is correlated, (1, 0, 0) and (1, 0, -1) are not."""
     line = np.random.default_rng(4).standard_normal((30, 120))
     field = np.stack([line[:, 60 - k : 90 - k] for k in range(40)])
-    lags = correlated_lags([field], np.ones(field.shape, np.int64))
-    middle = tuple(n - 1 for n in field.shape)
-    assert lags[middle] == lags[middle[0] + 1, middle[1], middle[2] + 1] == lags[middle[0] + 5, middle[1], middle[2] + 5] == 1.0
-    assert lags[middle[0] + 1, middle[1], middle[2]] == lags[middle[0] + 1, middle[1], middle[2] - 1] == 0.0
+    lags = CorrelatedLags([field], np.ones(field.shape, np.int64)).inside
+    # Lag 0 is first, negative lags are last.
+    assert lags[0, 0, 0]
+    assert lags[1, 0, 1]
+    assert lags[5, 0, 5]
+    assert not lags[1, 0, 0]
+    assert not lags[1, 0, -1]
 
 
 def test_effective_interval_of_clusters_is_that_of_so_many_fewer_pixels() -> None:
@@ -64,7 +67,7 @@ def test_few_events_take_their_clusters_from_a_lower_threshold() -> None:
 
 @pytest.mark.validation
 def test_intervals_hold_in_a_thousand_clips() -> None:
-    """930 to 970 of 1000, and at least 180 of the 200 of each kind (964, and 187 to 199, when it was written)."""
+    """930 to 970 of 1000, and at least 180 of the 200 of each kind (959, and 186 to 199, when it was written)."""
     rows = [measured(kind, number) for kind in KINDS for number in range(200)]
     assert 930 <= sum(row.inside for row in rows) <= 970
     for kind in KINDS:

@@ -73,14 +73,31 @@ class ClusterVariance:
     note: str | None = None  #: Reason for the absence of a variance, or what the variance takes as given.
 
 
+def _size(shape: tuple[int, ...]) -> list[int]:
+    """Return twice each length or more, so that the circular products of the transform do not wrap around."""
+    from scipy.fft import next_fast_len
+
+    return [int(next_fast_len(2 * n - 1, real=True)) for n in shape]
+
+
+def _power(e: FloatArray) -> FloatArray:
+    """Return the squared modulus of the transform: the transform of the sums of products at every lag."""
+    from scipy.fft import rfftn
+
+    wave = rfftn(e, _size(e.shape))
+    return np.asarray(wave.real**2 + wave.imag**2, np.float64)
+
+
+def _products(e: FloatArray) -> FloatArray:
+    """Return sums of products at every lag, lag 0 first and negative ones last, with lags of no pairs between them."""
+    from scipy.fft import irfftn
+
+    return np.asarray(irfftn(_power(e), _size(e.shape), overwrite_x=True), np.float64)
+
+
 def _autocovariance(e: FloatArray) -> FloatArray:
     """Return sums of products at every lag, centred (zero lag in the middle), full range."""
-    from scipy.fft import irfftn, next_fast_len, rfftn
-
-    # Padded to twice the length, so that the circular products of the transform do not wrap around.
-    size = [next_fast_len(2 * n - 1, real=True) for n in e.shape]
-    wave = rfftn(e, size)
-    return np.asarray(irfftn(wave.real**2 + wave.imag**2, size)[np.ix_(*(np.arange(-(n - 1), n) for n in e.shape))], np.float64)
+    return np.asarray(_products(e)[np.ix_(*(np.arange(-(n - 1), n) for n in e.shape))], np.float64)
 
 
 def _cutoff(covariance: FloatArray, cells: float) -> int | None:
@@ -128,8 +145,8 @@ def _windows(products: FloatArray, occupied: FloatArray) -> tuple[list[FloatArra
     return windows, independent
 
 
-def correlated_lags(fields: Sequence[FloatArray], pixels: NDArray[np.integer]) -> FloatArray:
-    """Return 1 at each lag at which one of the fields is correlated, and 0 at the others.
+class CorrelatedLags:
+    """Lags at which one of some fields is correlated, and variances of rates from the products at these lags.
 
     A correlation counts if it exceeds ``CORRELATED`` and three standard errors, by Bartlett sqrt(sum of squared correlations / pairs).
     The lags need not be neighbours of lag 0: a fast pattern passes over cells between two segments.
@@ -137,91 +154,83 @@ def correlated_lags(fields: Sequence[FloatArray], pixels: NDArray[np.integer]) -
     Parameters
     ----------
     fields : sequence of ndarray, shape (segments, tile rows, tile columns)
-        Sums of a quantity over the valid pixels of each cell.
+        Sums of a quantity over the valid pixels of each cell: of z and of z² - 1 [1].
     pixels : ndarray of int
-        Valid pixels of each cell [1].
-
-    Returns
-    -------
-    ndarray, shape (2 segments - 1, 2 tile rows - 1, 2 tile columns - 1)
-        Lag 0 is in the middle [1].
+        Valid pixels of each cell, some of them above 0 [1].
     """
-    number = np.maximum(np.round(_autocovariance((pixels > 0).astype(np.float64))), 0.0)
-    middle = tuple(n - 1 for n in pixels.shape)
-    pairs = np.maximum(number, 1.0)
-    inside = np.zeros(number.shape, np.bool_)
-    for field in fields:
-        covariance = _autocovariance(field - field.sum() / max(int(pixels.sum()), 1) * pixels) / pairs
-        if not covariance[middle] > 0.0:
-            continue
-        rho = np.abs(covariance / covariance[middle])
-        strong = (rho > _STRONG) & (number > 0.25 * number[middle])
-        noise = np.sqrt(float((rho[strong] ** 2).sum()) / pairs)
-        inside |= (rho > np.maximum(CORRELATED, _ERRORS * noise)) & (number > 0.1 * number[middle])
-    inside[middle] = True
-    return inside.astype(np.float64)
 
+    def __init__(self, fields: Sequence[FloatArray], pixels: NDArray[np.int64]) -> None:
+        from scipy.fft import rfftn
 
-def lagged_variance(
-    counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: FloatArray | None, lags: FloatArray
-) -> ClusterVariance | None:
-    """Estimate the variance of counts.sum() / pixels.sum() from the products at given lags, about the region's rate.
+        self.pixels, self.number = pixels, int(pixels.sum())
+        pairs = np.rint(_products((pixels > 0).astype(np.float64)))
+        most = float(pairs[0, 0, 0])
+        usable = pairs > 0.1 * most
+        np.maximum(pairs, 1.0, out=pairs)
+        #: Whether each lag is correlated; lag 0 is first, negative ones are last.
+        self.inside = np.zeros(pairs.shape, np.bool_)
+        for field in fields:
+            square = _products(field - field.sum() / self.number * pixels)
+            if not square[0, 0, 0] > 0.0:
+                continue
+            square /= pairs
+            square /= square[0, 0, 0]
+            # Correlations are compared by their squares.
+            np.square(square, out=square)
+            noise = _ERRORS**2 * float(square[(square > _STRONG**2) & (pairs > 0.25 * most)].sum()) / pairs
+            self.inside |= square > np.maximum(noise, CORRELATED**2, out=noise)
+        self.inside &= usable
+        self.inside[0, 0, 0] = True
+        # The sum of products at these lags is, by Parseval, a sum over the transform, of which the real one holds half.
+        self._weight = rfftn(self.inside.astype(np.float64)).real / pairs.size
+        self._weight[..., 1 : (pairs.shape[2] + 1) // 2] *= 2.0
+        #: Degrees of freedom of a variance [1].
+        self.degrees = most**2 / float(pairs[self.inside].sum()) - 1.0
+        #: Share of the variance that the subtraction of the estimated rate removes [1].
+        self.lost = self.products(pixels / self.number)
 
-    Parameters
-    ----------
-    counts, pixels, shift
-        As in :func:`rate_variance`.
-    lags : ndarray
-        Weight of each lag, from :func:`correlated_lags` [1].
+    def products(self, e: FloatArray) -> float:
+        """Return the sum of the products of a quantity of the cells at these lags."""
+        return float(np.vdot(self._weight, _power(e)))
 
-    Returns
-    -------
-    ClusterVariance, optional
-        None where the record holds too few correlation times and lengths.
-    """
-    total, number = int(counts.sum()), int(pixels.sum())
-    rate = total / number
-    occupied = np.maximum(np.round(_autocovariance((pixels > 0).astype(np.float64))), 0.0)
-    most = float(occupied.max())
-    degrees = most / float((lags**2 * occupied / most).sum()) - 1.0
-    # Share of the variance that the subtraction of the estimated rate removed.
-    lost = float((lags * _autocovariance(pixels / number)).sum())
-    if lost >= 0.6 or degrees < FEWEST_DEGREES:
-        return None
-    e = counts - rate * pixels - (0.0 if shift is None else shift)
-    value = float((lags * _autocovariance(e)).sum()) / (1.0 - lost) / number**2
-    return _stated(value, rate, number, degrees)
+    def variance(self, counts: NDArray[np.int64], shift: FloatArray | None) -> ClusterVariance | None:
+        """Estimate the variance of counts.sum() / pixels.sum() about the region's rate.
 
+        Parameters
+        ----------
+        counts, shift
+            As in :func:`rate_variance`.
 
-def alarm_variance(
-    counts: Sequence[tuple[NDArray[np.int64], FloatArray | None]], pixels: NDArray[np.int64], fields: Sequence[FloatArray]
-) -> ClusterVariance | None:
-    """Return the variance with the largest inflation of a rate at its threshold and at a lower one, ``LOWER`` times as high.
+        Returns
+        -------
+        ClusterVariance, optional
+            None where the record holds too few correlation times and lengths.
+        """
+        if self.lost >= 0.6 or self.degrees < FEWEST_DEGREES:
+            return None
+        rate = int(counts.sum()) / self.number
+        e = counts - rate * self.pixels - (0.0 if shift is None else shift)
+        return _stated(self.products(e) / (1.0 - self.lost) / self.number**2, rate, self.number, self.degrees)
 
-    The lower threshold has some ten times as many exceedances, so that their clusters are better known. In Gaussian clutter these are at
-    least as large; the clusters of the threshold itself count where bright objects lie in noise.
+    def alarm_variance(self, counts: Sequence[tuple[NDArray[np.int64], FloatArray | None]]) -> ClusterVariance | None:
+        """Return the variance with the largest inflation of a rate at its threshold and at a lower one, ``LOWER`` times as high.
 
-    Parameters
-    ----------
-    counts : sequence of (ndarray of int, ndarray)
-        Exceedances of each cell at the threshold and at the lower one, with the shift of :func:`rate_variance` [1].
-    pixels : ndarray of int
-        Valid pixels of each cell [1].
-    fields : sequence of ndarray
-        Sums of z and of z² - 1 over each cell [1].
+        The lower threshold has some ten times as many exceedances, so that their clusters are better known. In Gaussian clutter these are
+        at least as large; the clusters of the threshold itself count where bright objects lie in noise.
 
-    Returns
-    -------
-    ClusterVariance, optional
-        None where both thresholds have too few exceedances or the record holds too few correlation times and lengths.
-    """
-    number = int(pixels.sum())
-    known = [pair for pair in counts if FEWEST_COUNTS <= int(pair[0].sum()) <= number - FEWEST_COUNTS]
-    if not known:
-        return None
-    lags = correlated_lags(fields, pixels)
-    usable = [variance for some, shift in known if (variance := lagged_variance(some, pixels, shift, lags)) is not None]
-    return max(usable, key=lambda variance: variance.inflation, default=None)
+        Parameters
+        ----------
+        counts : sequence of (ndarray of int, ndarray)
+            Exceedances of each cell at the threshold and at the lower one, with the shift of :func:`rate_variance` [1].
+
+        Returns
+        -------
+        ClusterVariance, optional
+            None where both thresholds have too few exceedances or the record holds too few correlation times and lengths.
+        """
+        known = [pair for pair in counts if FEWEST_COUNTS <= int(pair[0].sum()) <= self.number - FEWEST_COUNTS]
+        usable = [variance for pair in known if (variance := self.variance(*pair)) is not None]
+        return max(usable, key=lambda variance: variance.inflation, default=None)
 
 
 def _stated(variance: float, rate: float, number: int, degrees: float, note: str | None = None) -> ClusterVariance:

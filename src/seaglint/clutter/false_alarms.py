@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.jit import njit
-from seaglint.clutter.cluster_variance import FEW, FEWEST_COUNTS, LOWER, ClusterVariance, alarm_variance, effective_interval, rate_variance
+from seaglint.clutter.cluster_variance import FEW, FEWEST_COUNTS, LOWER, ClusterVariance, CorrelatedLags, effective_interval, rate_variance
 from seaglint.clutter.exceedances import MAX_LAG, Events, EventTracker, JointExceedances, JointProbability
 from seaglint.clutter.filters import as_frames
 from seaglint.clutter.thresholds import gaussian_rate
@@ -202,6 +202,7 @@ class FalseAlarms:
         self._per_segment = 1
         self._shape: tuple[int, ...] = ()
         self._tile = 0
+        self._lags: CorrelatedLags | None = None
         self._variances: dict[float, ClusterVariance] = {}
 
     def add(self, z: ArrayLike) -> None:
@@ -220,6 +221,7 @@ class FalseAlarms:
             self._rows, self._columns = (np.zeros((len(self.thresholds), n), np.int64) for n in self._shape)
         elif frames.shape[1:] != self._shape:
             raise DataError(f"frames of {frames.shape[1:]} pixels follow frames of {self._shape}; all frames of a sequence have one size")
+        self._lags = None
         self._variances.clear()
         columns = self._shape[1]
         index = np.empty(frames[0].size, np.int64)
@@ -265,7 +267,8 @@ class FalseAlarms:
             s = -(-self.frames // self._per_segment)
             own, lower = (self._cells[self._levels.index(f * m), :s] for f in (1.0, LOWER))
             valid = self._valid[:s]
-            by_lags = alarm_variance(((own, None), (lower, None)), valid, (self._sums[:s, 0], self._sums[:s, 1]))
+            self._lags = self._lags or CorrelatedLags((self._sums[:s, 0], self._sums[:s, 1]), valid)
+            by_lags = self._lags.alarm_variance(((own, None), (lower, None)))
             few = int(own.sum()) < FEWEST_COUNTS
             self._variances[m] = by_lags or (ClusterVariance(0.0, math.inf, 1.0, _INDEPENDENT) if few else rate_variance(own, valid))
         return self._variances[m]

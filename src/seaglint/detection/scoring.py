@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import njit
-from seaglint.clutter.cluster_variance import FEW, FEWEST_COUNTS, LOWER, alarm_variance, effective_interval, rate_variance, score_interval
+from seaglint.clutter.cluster_variance import FEW, FEWEST_COUNTS, LOWER, CorrelatedLags, effective_interval, rate_variance, score_interval
 from seaglint.clutter.false_alarms import RateCurve
 from seaglint.detection.injection import Batch
 
@@ -109,19 +109,28 @@ class Scores:
 @njit
 def _sum_cells(z: np.ndarray, tile: int, threshold: float, lower: float, sums: np.ndarray) -> None:
     """Add pixels, exceedances, z, z² - 1 and pixels above ``lower`` to the sums of a frame's tiles, shape (5, tile rows, tile columns)."""
-    for i in range(z.shape[0]):
-        for j in range(z.shape[1]):
-            value = z[i, j]
-            if np.isnan(value):
-                continue
-            a, b = i // tile, j // tile
-            sums[0, a, b] += 1.0
-            if value > threshold:
-                sums[1, a, b] += 1.0
-            sums[2, a, b] += value
-            sums[3, a, b] += value * value - 1.0
-            if value > lower:
-                sums[4, a, b] += 1.0
+    rows, columns = z.shape
+    for i in range(rows):
+        a = i // tile
+        for start in range(0, columns, tile):
+            # Sums of a tile's row stay in registers.
+            number, above, over = 0, 0, 0
+            total, square = 0.0, 0.0
+            for j in range(start, min(start + tile, columns)):
+                value = z[i, j]
+                if np.isnan(value):
+                    continue
+                number += 1
+                above += value > threshold
+                over += value > lower
+                total += value
+                square += value * value
+            b = start // tile
+            sums[0, a, b] += number
+            sums[1, a, b] += above
+            sums[2, a, b] += total
+            sums[3, a, b] += square - number
+            sums[4, a, b] += over
 
 
 class SegmentSums:
@@ -196,7 +205,7 @@ class SegmentSums:
         if number == 0:
             return interval(counts, pixels, None, level)
         own, below = (d * self._moved(m) for d, m in zip(density, (self.threshold, LOWER * self.threshold), strict=True))
-        variance = alarm_variance(((counts, own), (lower, below)), pixels, (self.sums[:, 2], self.sums[:, 3]))
+        variance = CorrelatedLags((self.sums[:, 2], self.sums[:, 3]), pixels).alarm_variance(((counts, own), (lower, below)))
         if variance is None:
             return interval(counts, pixels, own, level)
         low, high = effective_interval(count, number, variance.inflation, variance.degrees, level)
