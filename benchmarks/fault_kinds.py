@@ -214,8 +214,10 @@ class Disturbed:
     def _matters(self) -> bool:
         """Return true for faults that take away a worker with a unit in progress, or that end a command."""
         fault = self.fault
-        if fault.kind in ("full-disk", *TWICE):
+        if fault.kind in TWICE or any(command.code for command in self.site.commands):
             return True
+        if fault.mode == "shards" and fault.seconds < math.inf:  # a share that goes on by itself keeps nobody waiting
+            return False
         # A worker that is lost before its first unit or after its last one keeps no unit back.
         busy = fault.at >= 0.0 and self.left >= 4 * fault.workers
         return busy and (fault.kind == "kill" or (fault.kind in LASTING and fault.seconds >= 60.0))

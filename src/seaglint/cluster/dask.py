@@ -229,13 +229,14 @@ class DaskWorkers:
                 self._looked = -REFRESH
                 return
 
-    def submit(self, units: list[Any], content: bytes) -> tuple[list[Any], frozenset[str]]:
+    def submit(self, units: list[Any], content: bytes, avoided: frozenset[str] = frozenset()) -> tuple[list[Any], frozenset[str]]:
         """Return futures of ``seaglint.cluster.remote.do`` and the workers that may do them (empty for all).
 
         Units are sent together: one by one they cost several times as much. No unit is given to an overdue worker or to one that cannot be
-        used; a scheduler would take them for idle.
+        used; a scheduler would take them for idle. Workers to be ``avoided`` are used only if there are no others.
         """
         usable = self._usable()
+        usable = usable - avoided or usable
         allowed = frozenset[str]() if len(usable) == len(self._present) else usable
         keys = [f"seaglint-{uuid.uuid4().hex}" for _ in units]
         packs = [packed_unit(key, unit) for key, unit in zip(keys, units, strict=True)]

@@ -32,6 +32,7 @@ class _DaskTask:
     unit: Any
     attempts: int = 0  #: Number of attempts, including those in progress.
     keys: set[str] = field(default_factory=set)  #: Keys of the attempts in progress.
+    failed_at: set[str] = field(default_factory=set)  #: Addresses of workers at which it failed.
     ended: bool = False  #: Whether its outcome was yielded.
 
 
@@ -79,7 +80,7 @@ class Connection(Protocol):
         """Return the addresses of the workers that can be used."""
         ...
 
-    def submit(self, units: list[Any], content: bytes) -> tuple[list[Any], frozenset[str]]:
+    def submit(self, units: list[Any], content: bytes, avoided: frozenset[str] = ...) -> tuple[list[Any], frozenset[str]]:
         """Return futures of units and the workers that may do them (empty for all)."""
         ...
 
@@ -160,13 +161,18 @@ class DaskMapping:
         if tasks and not self.workers.idle:
             self.again.extendleft(reversed(tasks))
             return True
-        if tasks:
+        groups: dict[frozenset[str], list[_DaskTask]] = {}
+        for task in tasks:
+            groups.setdefault(frozenset(task.failed_at), []).append(task)
+        while groups:
+            avoided, group = groups.popitem()
             try:
-                futures, allowed = self.workers.submit([task.unit for task in tasks], self.content)
+                futures, allowed = self.workers.submit([task.unit for task in group], self.content, avoided)
             except SchedulerGoneError:
-                self.again.extendleft(reversed(tasks))
+                for rest in (*groups.values(), group):
+                    self.again.extendleft(reversed(rest))
                 raise
-            for future, task in zip(futures, tasks, strict=True):
+            for future, task in zip(futures, group, strict=True):
                 self.flight[future.key] = _Sent(future, task, self.patience.now, allowed)
                 task.keys.add(future.key)
                 task.attempts += 1
@@ -206,6 +212,7 @@ class DaskMapping:
             if isinstance(outcome, Exception):
                 if isinstance(outcome, SeaglintError) or task.attempts >= ATTEMPTS:
                     raise outcome
+                task.failed_at.add(address)
                 yield from self._retry(task, "", "")
             elif isinstance(outcome, Unfit):
                 self._return([task])
@@ -218,6 +225,7 @@ class DaskMapping:
                     self.again.remove(task)
                 yield Done(task.unit, outcome.record, outcome.seconds, outcome.worker)
             else:
+                task.failed_at.add(address)
                 yield from self._retry(task, outcome.error, outcome.traceback)
 
     def _read_states(self) -> Iterator[Failed[Any]]:
