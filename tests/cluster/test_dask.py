@@ -112,7 +112,7 @@ def test_units_for_many_workers_are_sent_together():
     class Eight:
         count, idle, limits, sent = 8, True, Limits(), []
 
-        def submit(self, units, content):
+        def submit(self, units, content, avoided):
             self.sent.append(len(units))
             return [SimpleNamespace(key=unit) for unit in units], frozenset()
 

@@ -13,7 +13,7 @@ from typing import Any, Final, Protocol
 
 from seaglint.base.errors import BackendError, SeaglintError, one_line
 from seaglint.cluster.job import ATTEMPTS, Done, Failed
-from seaglint.cluster.overdue import POLL, Limits, Patience, silence
+from seaglint.cluster.overdue import POLL, Limits, Patience, disk_failure, silence
 from seaglint.cluster.remote import Started, Unfit
 
 REFRESH: Final = 2.0  #: Time between two queries of the list of workers [s].
@@ -110,6 +110,8 @@ class DaskMapping:
         """Units taken from overdue workers; one of them may have been in progress and sends an outcome."""
         self.heard: dict[str, float] = {}
         """Times of the workers' last messages in this job [s]."""
+        self.faulty: set[str] = set()
+        """Addresses of workers whose failing disk was reported."""
         self.judged = 0.0
         self.losses = 0
         """Number of consecutive losses of the scheduler with nothing done in between."""
@@ -226,6 +228,10 @@ class DaskMapping:
                 yield Done(task.unit, outcome.record, outcome.seconds, outcome.worker)
             else:
                 task.failed_at.add(address)
+                line = disk_failure(f"worker {address}", outcome.error)
+                if line and task.attempts < ATTEMPTS and address not in self.faulty:
+                    self.faulty.add(address)
+                    self.workers.report(line)
                 yield from self._retry(task, outcome.error, outcome.traceback)
 
     def _read_states(self) -> Iterator[Failed[Any]]:

@@ -25,7 +25,7 @@ from typing import Any, Final
 from seaglint.base.errors import BackendError, DomainError, SeaglintError
 from seaglint.base.reports import REPORTS
 from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, attempt, outgoing
-from seaglint.cluster.overdue import POLL, Limits, Patience, silence
+from seaglint.cluster.overdue import POLL, Limits, Patience, disk_failure, silence
 
 
 class ThisProcess:
@@ -259,6 +259,8 @@ class _LocalMapping:
         self.source = iter(units)
         self.queue: deque[_LocalTask] = deque()
         self.exhausted = False
+        self.faulty: set[int] = set()
+        """Numbers of processes whose failing disk was reported."""
         self.lost_at_start = 0
         """Number of consecutive processes that ended before they were ready."""
 
@@ -362,7 +364,12 @@ class _LocalMapping:
                     return None
                 outcome: Done[Any, Any] | Failed[Any] = pickle.loads(content)
                 if isinstance(outcome, Failed):
-                    return self._again(task, outcome.error, outcome.traceback)
+                    failed = self._again(task, outcome.error, outcome.traceback)
+                    line = disk_failure(f"worker process {worker.number}", outcome.error)
+                    if line and failed is None and worker.number not in self.faulty:
+                        self.faulty.add(worker.number)
+                        self.report(line)
+                    return failed
                 self.patience.add(outcome.seconds)
                 self._end(task)
                 return Done(task.unit, outcome.record, outcome.seconds, outcome.worker)

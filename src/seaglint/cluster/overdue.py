@@ -1,4 +1,4 @@
-"""Limits of the time in which a worker must answer, and the clock for them.
+"""Limits of the time in which a worker must answer, the clock for them, and lines on workers that fail.
 
 A worker that is frozen, swaps, or has lost its network or disk keeps its unit and reports no error. A worker without an answer for many
 times the median time of the units is therefore *overdue*: its unit is given to another worker as well, and the first outcome counts. An
@@ -12,6 +12,8 @@ import time
 from collections import deque
 from dataclasses import dataclass, field
 from typing import Final
+
+from seaglint.base.errors import StorageError
 
 POLL: Final = 0.5  #: Longest time between two looks at the workers [s].
 
@@ -97,3 +99,8 @@ class Patience:
 def silence(who: str, seconds: float, effect: str) -> str:
     """Return the line that reports an overdue worker."""
     return f"{who} has not answered for {seconds:.0f} s, many times as long as usual: {effect}"
+
+
+def disk_failure(who: str, error: str) -> str:
+    """Return the line that reports a worker whose disk failed; empty for another error."""
+    return f"{who}: {error}; its unit is given to another worker" if error.startswith(f"{StorageError.__name__}:") else ""
