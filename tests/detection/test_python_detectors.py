@@ -194,7 +194,15 @@ def test_a_returned_array_that_is_used_again_is_copied() -> None:
     assert np.array_equal(first, FRAMES)
 
 
-@pytest.mark.parametrize("function", [hang, lambda frames: time.sleep(1e6)], ids=["loop", "sleep"])
+def fork_and_hang(frames: Any) -> Any:
+    """The child holds the other end of the connection for a minute."""
+    if os.fork() == 0:
+        time.sleep(60.0)
+        os._exit(0)
+    return hang(frames)
+
+
+@pytest.mark.parametrize("function", [hang, lambda frames: time.sleep(1e6), fork_and_hang], ids=["loop", "sleep", "fork"])
 def test_a_detector_that_never_returns_is_ended(function: Any) -> None:
     began = time.monotonic()
     with pytest.raises(DataError, match=r"took longer than 0\.5 s on frames of shape \(8, 64, 64\)") as error:

@@ -18,7 +18,7 @@ from seaglint.base.errors import DataError
 from seaglint.formats.dataset import dataset_writing
 from seaglint.formats.dataset.grey_pictures import decoded
 from seaglint.formats.dataset.scene_records import SPLITS, DatasetFrame, DatasetObject, DatasetScene, Piece
-from seaglint.formats.dataset.sequence_layouts import _mot_line
+from seaglint.formats.dataset.sequence_layouts import _centroids, _mot_line
 from seaglint.scenario.ensemble_file import parse_ensemble
 from seaglint.scenario.records.ensemble_tables import Dataset
 from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions, DatasetPlan, EnsembleSource, ensemble_dataset, make_dataset
@@ -132,6 +132,15 @@ def test_trackeval_scores_the_truth_of_mot_as_perfect(sets, tmp_path, split):
     assert dataset.seq_lengths == dict.fromkeys(scenes, FRAMES)
     seen = sum(mask.any() for scene in scenes for frame in range(FRAMES) for mask in wanted(int(scene), frame))
     assert scores_of_truth(trackeval, dataset) == {"HOTA": 1.0, "MOTA": 1.0, "objects": seen}
+
+
+@pytest.mark.parametrize("snr", [None, 3.0, 0.5])
+def test_centroids_of_nudt_mirsdt_are_of_objects_that_are_not_ignored(snr):
+    values = {"visible_share": 1.0, "row_px": 4.2, "column_px": 2.6}
+    row = DatasetObject(0, 0, values, None, None, snr, (Piece((2, 3, 2, 3), 6, ""),))
+    frames = (DatasetFrame("a", 0, 0.0),)
+    part = DatasetScene("0000", "train", 1, (ROWS, COLUMNS), 30.0, ("ship",), ("ship",), frames, (row,), {}, "geometric", 1.0)
+    assert np.argwhere(_centroids(part, 0)).tolist() == ([] if snr == 0.5 else [[4, 3]])
 
 
 @pytest.mark.parametrize(("snr", "considered"), [(None, 1), (3.0, 1), (0.5, 0)])

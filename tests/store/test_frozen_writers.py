@@ -5,16 +5,23 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import threading
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import toy_store
+import zarr
 from frozen_workers import FreezingWorkers, Stopped, WakingWorkers, tree
 from toy_store import frame, layout
 
 from seaglint.base.errors import DataError
 from seaglint.cluster import ThisProcess
+from seaglint.store.missing_frames import Interrupted, unit_maker
 from seaglint.store.sequence_store import finish_sequence, partial_path, write_sequence
+from seaglint.store.staging import remove_folder
 from seaglint.store.writers import Share, lock_path
 from seaglint.studies.sequence.sequence_work import spread_over
 
@@ -132,3 +139,56 @@ def test_what_killed_processes_left_is_removed(output: Path, whole) -> None:
     write_sequence(output, layout(), frame, share=Share(1, 2))
     write_sequence(output, layout(), frame, resume=True)
     assert tree(output.parent) == whole
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_a_late_attempt_does_not_replace_a_unit_at_an_interruption(output: Path, fails: bool) -> None:
+    """The slow attempt of another processor ends after its unit was taken from the quick one, whole or with a failed frame."""
+    go, begun = threading.Event(), threading.Event()
+
+    def other(number: int):
+        begun.set()
+        go.wait(60.0)
+        if fails and number == 2:
+            raise OSError("the disk of one worker")
+        return {name: values * (1 + 1e-6) for name, values in frame(number).items()}
+
+    @contextmanager
+    def spread(task, units):
+        slow, quick = unit_maker(task, layout(), other), unit_maker(task, layout(), frame)
+
+        def late() -> None:
+            with suppress(OSError):
+                slow(0)
+
+        def outcomes():
+            thread = threading.Thread(target=late)
+            thread.start()
+            begun.wait(60.0)
+            yield quick(0)
+            go.set()
+            thread.join()
+            raise KeyboardInterrupt
+
+        yield outcomes()
+
+    with pytest.raises(Interrupted):
+        write_sequence(output, layout(), frame, spread=spread)
+    group: Any = zarr.open_group(partial_path(output), mode="r")
+    made = int(group["frame_done"].chunks[0])
+    assert group["frame_done"][:made].all()
+    for number in range(made):
+        np.testing.assert_array_equal(group["radiance"][number], frame(number)["radiance"])
+
+
+def test_unfinished_work_stays_if_it_cannot_be_kept(tmp_path: Path) -> None:
+    folder = tmp_path / "stage"
+    (folder / "scene").mkdir(parents=True)
+
+    def keep(gone: Path) -> None:
+        raise OSError("no room")
+
+    with pytest.raises(OSError, match="no room"):
+        remove_folder(folder, keep)
+    (left,) = tmp_path.iterdir()
+    assert (left / "scene").is_dir()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import csv
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.store.layout import unpacked
 from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions, EnsembleSource, ensemble_dataset
 from seaglint.studies.sequence.labelled_frames import frame_datasets
+from seaglint.studies.sequence.object_counts import response_masks
 from seaglint.studies.sequence.sensed_sequence import prepare_sensed, render
 
 DETECTOR = {"pitch_um": 15, "fill_factor": 0.9, "integration_time_s": 0.002, "well_capacity_e": 8e6, "bit_depth": 16}
@@ -168,3 +170,18 @@ def test_data_sets_have_the_chosen_masks(tmp_path, caplog):
     with caplog.at_level("WARNING", "seaglint"):
         ensemble_dataset(EnsembleSource(parse_ensemble(bare), "bare", None), tmp_path / "bare", DatasetOptions.of("sirst"))
     assert caplog.text.count("3 of 3 scenes with objects have geometric masks") == 1
+
+
+def test_an_object_before_saturated_pixels_has_the_pixels_that_it_touches():
+    """Its brightest pixel changes by nothing; a ring around it is no mask."""
+    added = np.array([[0.0, 3.0, 0.0], [3.0, 0.0, 3.0], [0.0, 3.0, 0.0]])
+    light = np.array([[1.0, 5.0, 1.0], [5.0, 9.0, 5.0], [1.0, 5.0, 1.0]])
+    grid = np.arange(3)
+    touched, full = np.zeros((3, 3), bool), np.zeros((3, 3), bool)
+    touched[1, 1] = True
+    change = SimpleNamespace(added=added, light=light, rows=grid[:, None], columns=grid[None, :], width=3)
+    (mask,) = response_masks([change], [touched], [full], 0.05)
+    assert np.array_equal(mask, touched)
+    change.added = light
+    (mask,) = response_masks([change], [touched], [full], 0.05)
+    assert mask.all()

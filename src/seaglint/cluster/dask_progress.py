@@ -33,6 +33,7 @@ class _DaskTask:
     attempts: int = 0  #: Number of attempts, including those in progress.
     keys: set[str] = field(default_factory=set)  #: Keys of the attempts in progress.
     failed_at: set[str] = field(default_factory=set)  #: Addresses of workers at which it failed.
+    strays: int = 0  #: Number of attempts whose workers left.
     ended: bool = False  #: Whether its outcome was yielded.
 
 
@@ -255,7 +256,13 @@ class DaskMapping:
         now, patience = self.patience.now, self.patience
         present = set(self.workers.look())
         astray = [key for key, sent in self.flight.items() if sent.allowed and sent.allowed.isdisjoint(present)]
-        self._return([self._taken(key, cancel=True) for key in astray])
+        for key in astray:
+            task = self._taken(key, cancel=True)
+            task.strays += 1
+            if task.strays <= ATTEMPTS:  # it may have waited there
+                self._return([task])
+            else:  # it may be what ends the workers
+                yield from self._retry(task, "the workers that were given it have left the scheduler", "")
         for key, sent in list(self.flight.items()):
             if sent.overdue and now - sent.at > patience.last_limit():
                 task = self._taken(key, cancel=True)

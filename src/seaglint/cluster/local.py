@@ -7,6 +7,7 @@ the threads of kernels do not survive a fork; each has its share of the processo
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import pickle
 import signal
@@ -20,6 +21,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
+from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import BackendError, DomainError, SeaglintError
@@ -97,6 +99,10 @@ class _Worker:
         """Digest of the job that was sent to the process."""
         self.ready = False
         self.task: _LocalTask | None = None
+        self.spent = 0
+        """Processor time at the last look [ticks]."""
+        self.computed = -math.inf
+        """Time of the last look at which the processor time had grown, by the clock of the job [s]."""
         self.heard = 0.0
         """Time of its last answer, or of the request, by the clock of the job [s]."""
         self.overdue = False
@@ -105,6 +111,15 @@ class _Worker:
     def number(self) -> int:
         """Return the number of the process in the system."""
         return self.process.pid
+
+    def computes(self, now: float, within: float) -> bool:
+        """Return True if the process used processor time in the last seconds of the job's clock, as far as the system shows it."""
+        with suppress(OSError, ValueError, IndexError):
+            fields = Path(f"/proc/{self.number}/stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()
+            spent = int(fields[11]) + int(fields[12])  # in user and system mode
+            if spent > self.spent:
+                self.spent, self.computed = spent, now
+        return now - self.computed <= within
 
     def send(self, *message: Any) -> None:
         """Send a message; the end of a process is noticed when its answer is read."""
@@ -387,7 +402,10 @@ class _LocalMapping:
     def _judge(self, worker: _Worker) -> Failed[Any] | None:
         """Give the unit of an overdue process to another one; return the outcome of a unit without further attempts."""
         silent, starting, task = self.patience.now - worker.heard, not worker.ready, worker.task
-        if silent > self.patience.last_limit(starting=starting):
+        last = self.patience.last_limit(starting=starting)
+        if worker.overdue and worker.computes(self.patience.now, last):  # slow, and not frozen
+            last *= self.patience.limits.factor
+        if silent > last:
             return self._lost(worker, f"did not answer for {silent:.0f} s and was ended")
         if worker.overdue or silent <= self.patience.limit(starting=starting):
             return None

@@ -328,15 +328,20 @@ def user_detector(given: Any, described: str, name: str) -> UserDetector:
             raise DataError(f"{described}: no instance of the class can be made: {_error_line(error)}") from error
     if not callable(given):
         raise DataError(f"{described} is a {type(given).__name__}, which cannot be called; name a function of frames")
-    lead = getattr(given, "lead", 0)
+    source = getattr(given, "func", given)  # of a partial function
+
+    def stated(attribute: str, default: Any) -> Any:
+        return getattr(given, attribute, getattr(source, attribute, default))
+
+    lead = stated("lead", 0)
     if not isinstance(lead, int) or lead < 0:
         raise DataError(f"{described}: lead = {lead!r} is not a number of frames of 0 or more")
-    reach = getattr(given, "reach", None)
+    reach = stated("reach", None)
     if reach is not None and (not isinstance(reach, int) or reach < 0):
         raise DataError(f"{described}: reach = {reach!r} is not a number of pixels of 0 or more")
     # Wrapped also where it has the whole interface, so that its results are checked.
-    calibrated, takes_nan = (bool(getattr(given, flag, False)) for flag in ("calibrated", "takes_nan"))
-    return UserDetector(given, str(getattr(given, "name", name)), lead, calibrated, takes_nan, reach)
+    calibrated, takes_nan = (bool(stated(flag, False)) for flag in ("calibrated", "takes_nan"))
+    return UserDetector(given, str(stated("name", name)), lead, calibrated, takes_nan, reach)
 
 
 def detector_of(given: Any) -> str | Detector | None:

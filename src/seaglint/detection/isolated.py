@@ -12,6 +12,7 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from threading import TIMEOUT_MAX, Timer
 from typing import Any, Final
@@ -49,7 +50,7 @@ class IsolatedDetector:
 
     def __init__(self, given: str | UserDetector, time_limit: float = TIME_LIMIT) -> None:
         if not time_limit > 0:
-            raise DomainError(f"time limit of a detector = {time_limit:g} s; give a number above 0")
+            raise DomainError(f"time_limit = {time_limit:g} s; give a number above 0")
         self.path, self.time_limit = given if isinstance(given, str) else given.name, time_limit
         ours, theirs = socket.socketpair()
         with theirs:
@@ -87,7 +88,7 @@ class IsolatedDetector:
     def _answer(self, message: Any, limit: float, when: str) -> Any:
         """Send a message and return its answer; the process is ended after ``limit`` seconds, whether it takes the message or answers."""
         begin = time.monotonic()
-        timer = Timer(min(limit, TIMEOUT_MAX), self._process.kill)
+        timer = Timer(min(limit, TIMEOUT_MAX), self._stop)
         timer.daemon = True
         timer.start()
         try:
@@ -97,7 +98,7 @@ class IsolatedDetector:
             if time.monotonic() - begin >= limit:
                 self.close()
                 raise DataError(
-                    f"detector {self.path} took longer than {limit:g} s {when}; make it faster, give it fewer pixels, or allow more time"
+                    f"detector {self.path} took longer than {limit:g} s {when}; make it faster, give it fewer pixels, or raise time_limit"
                 ) from None
             raise self._ended(when) from error
         finally:
@@ -105,6 +106,12 @@ class IsolatedDetector:
         if not good:
             raise DataError(answer)
         return answer
+
+    def _stop(self) -> None:
+        """End the process and the connection: a process that the function started may hold its other end."""
+        self._process.kill()
+        with suppress(OSError), socket.socket(fileno=os.dup(self._connection.fileno())) as ours:
+            ours.shutdown(socket.SHUT_RDWR)
 
     def _ended(self, when: str) -> DataError:
         code = self._process.wait()

@@ -71,6 +71,18 @@ def named_for(name: str, shape: SpotShape, background: Callable[[], Frames]) -> 
     return named(name)
 
 
+def require_known(name: str) -> None:
+    """Check the name of a detector.
+
+    Raises
+    ------
+    DataError
+        It is none of ``NAMES``.
+    """
+    if _key(name) not in (*NAMES, *PLAIN):
+        raise _unknown(name, NAMES)
+
+
 def _made(name: str, *arguments: Any) -> Detector:
     """Return a detector of the package, of its entry's class."""
     entry = next(entry for entry in DETECTORS if entry.name == _key(name))

@@ -217,7 +217,7 @@ class MissingUnits:
         except BaseException as error:
             # Units that the workers finished, and could not report.
             with suppress(SeaglintError):
-                for unit in left:
+                for unit in self.left:  # a unit that was taken keeps its first outcome
                     self._take_begun(unit)
             if not isinstance(error, KeyboardInterrupt):
                 raise

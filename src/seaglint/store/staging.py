@@ -73,12 +73,11 @@ def remove_folder(folder: Path, keep: Callable[[Path], None] = lambda folder: No
         folder.rename(gone)
     except FileNotFoundError:
         return
-    try:
-        keep(gone)
-    finally:
-        # The second attempt removes what was made at the moment of the renaming.
-        for _ in range(2):
-            shutil.rmtree(gone, ignore_errors=True)
+    # After an error or an interruption the folder stays, for the next process that claims the output.
+    keep(gone)
+    # The second attempt removes what was made at the moment of the renaming.
+    for _ in range(2):
+        shutil.rmtree(gone, ignore_errors=True)
 
 
 def make_below(folder: Path, name: str) -> None:

@@ -125,7 +125,7 @@ def convert(entry: Entry, scene: LabelledScene, settings: ConversionSettings) ->
         pictures=tuple(numbered),
         rows=tuple(rows),
         parameters=dict(entry.parameters),
-        masks=GEOMETRIC if scene.labels is None else scene.labels.masks,
+        masks=settings.masks if scene.labels is None else scene.labels.masks,
         min_snr=settings.min_snr,
     )
     form.write_scene(folder, part, settings.pictures.image)
@@ -581,6 +581,8 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
     write_json(document, folder / ABOUT)
     note = ". The ensemble's file names no licence; this is seaglint's default, and yours to change with `[dataset] licence`."
     command = settings.pictures.command if form.pictures else ""
+    command += "" if settings.masks == RESPONSE else f" --masks {settings.masks}"
+    command += f" --min-snr {settings.min_snr:g}"
     texts = {**shared, **pictured, "licence_note": "" if about["licence"] else note, "counts": counts, "command": command}
     texts["masks"] = sorted({part.masks for part in catalogue.parts if part.names} or {settings.masks}, reverse=True)
     write_text(card(texts, numbers, form), folder / "README.md")
@@ -652,7 +654,7 @@ def _examples(folder: Path, catalogue: Catalogue, settings: ConversionSettings) 
         place = int(np.argmax([sum(len(row.pieces) for row in part.rows if row.frame == i) for i in range(len(part.pictures))]))
         rows = [row for row in part.rows if row.frame == place and row.pieces]
         most = max((row.snr for row in rows if row.snr is not None), default=None)
-        title = f"{part.pictures[place].name} {part.split}" + (f", SNR to {most:.3g}" if most is not None else "")
+        title = f"{part.pictures[place].name} {part.split}" + (f", largest SNR {most:.3g}" if most is not None else "")
         picture = format_named(settings.format).picture(folder, part, place, settings.pictures.image)
         seen, ignored = ([piece.box for row in rows for piece in row.pieces if part.ignores(row) == kind] for kind in (False, True))
         out.append(Example(picture, seen, title, ignored))

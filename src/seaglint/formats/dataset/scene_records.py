@@ -43,7 +43,7 @@ def splits_of(seed: int, scenes: int, fractions: tuple[float, float, float]) -> 
     ``n`` has the number ``u + n g`` modulo 1, with ``g`` the golden section and ``u`` drawn from the seed, which fills its interval evenly
     and without a period; it trains where this is below the first fraction, and so on. Where this split has its share already, or another
     one is a whole scene behind, the scene goes to the split that is furthest behind. So of N scenes each split has its fraction of N to
-    within about one, or one scene where its fraction is smaller.
+    within about one, and up to two where fractions are small, since the first scenes go to each split.
 
     Examples
     --------

@@ -242,11 +242,11 @@ def _beside(folder: Path, name: str, directory: str, ending: str) -> Path:
 
 
 def _centroids(part: DatasetScene, place: int) -> NDArray[np.bool_]:
-    """Return a mask of the pixels nearest to the centroids of the visible objects of a frame."""
+    """Return a mask of the pixels nearest to the centroids of the objects of a frame that are visible and not ignored."""
     out = np.zeros(part.shape, bool)
     for row in part.rows:
         centre = row.values["row_px"], row.values["column_px"]
-        if row.frame == place and row.pieces and centre[0] is not None and centre[1] is not None:
+        if row.frame == place and row.pieces and not part.ignores(row) and centre[0] is not None and centre[1] is not None:
             r, c = round(centre[0]), round(centre[1])
             # A centroid beyond the edge is that of an object cut by the edge.
             out[min(max(r, 0), part.shape[0] - 1), min(max(c, 0), part.shape[1] - 1)] = True

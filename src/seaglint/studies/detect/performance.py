@@ -23,7 +23,7 @@ from seaglint.detection.background import Background, FalseAlarmCount, Law, Thre
 from seaglint.detection.injection import Batch, inject
 from seaglint.detection.interface import Detector, Frames
 from seaglint.detection.isolated import TIME_LIMIT, ended, running
-from seaglint.detection.named_detectors import named_for
+from seaglint.detection.named_detectors import named_for, require_known
 from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, RARE, RareRate, RareTail
 from seaglint.detection.scoring import Interval, Roc, Scores, mean_interval, roc
 from seaglint.detection.sources import FrameSource, Rescaled, level_shift
@@ -343,6 +343,20 @@ def detector_for(source: FrameSource, options: DetectionOptions) -> Detector:
     if isinstance(detector, FilterThreshold) and isinstance(detector.filter, Unfiltered):
         return FilterThreshold(options.filter)
     return Chain(options.filter, detector)
+
+
+def require_detector(given: str | Detector | None, time_limit: float) -> None:
+    """Check before any work that a detector is known, or that a user's can be imported.
+
+    Raises
+    ------
+    SeaglintError
+        It is unknown or fails.
+    """
+    if isinstance(given, str) and ":" not in given:
+        require_known(given)
+    elif given is not None:
+        ended(running(given, time_limit))
 
 
 def _notes(

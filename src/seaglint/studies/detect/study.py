@@ -22,7 +22,7 @@ from seaglint.clutter.filters import named as named_filter
 from seaglint.detection.interface import Detector
 from seaglint.store.detection_results import DetectionCase, DetectionRange, StudyParts
 from seaglint.studies.detect.detection_requests import CasesRequest, RangeRequest, SceneRequest
-from seaglint.studies.detect.performance import DetectionOptions
+from seaglint.studies.detect.performance import DetectionOptions, require_detector
 from seaglint.studies.detect.range_search import detection_range
 from seaglint.studies.detect.rendered_seas import Clock, run_scene
 from seaglint.studies.detect.scene_frames import bare, frames_key
@@ -289,6 +289,7 @@ def range_searcher(
         key = f"found-{hashlib.sha256(content).hexdigest()[:16]}"
         if (stored := inner.case(key)) is not None:
             return replace(DetectionRange.of(stored), parameters=case.parameters)
+        require_detector(own.detector, own.time_limit)
         result = detection_range(case.scenario, own, inner, bearing_deg=bearing, report=report, workers=workers)
         inner.keep_case(key, result.as_dict())
         return replace(result, parameters=case.parameters)

@@ -74,8 +74,8 @@ class WeakLabels:
         judged = "frame of one scene" if self.frames == 1 else f"frames of {self.frames} scenes"
         return (
             f"estimate: {about} will have a signal-to-noise ratio below {self.least:g}{noise} and be marked ignore, judged by "
-            f"{self.weak} of {self.seen} in the first {judged}; nearer or warmer objects or a narrower field of view raise it, less noise "
-            "where noise and not clutter hides them; truth.csv says it of each label (snr)"
+            f"{self.weak} of {self.seen} in the first {judged}; nearer or warmer objects, a narrower field of view or, if noise dominates, "
+            "less noise raise it; truth.csv has the ratio of each label (snr)"
         )
 
 
