@@ -204,7 +204,7 @@ def scheduler_seconds(workers: DaskWorkers) -> float:
 
 
 def thousand(slots: tuple[int, int, int] = (1, 20, 50), rounds: int = 8) -> Rows:
-    """A thousand units of one second at the same time: what the scheduler and the one who asks have to do for each."""
+    """A thousand units at the same time: what the scheduler and the one who asks have to do for each."""
     count = math.prod(slots)
     with scheduler() as address, hosts(address, *slots), quiet():
         workers = Simulated(lambda: client_of(address, address))
@@ -224,8 +224,8 @@ def thousand(slots: tuple[int, int, int] = (1, 20, 50), rounds: int = 8) -> Rows
     there, back = record_sizes()
     frame = 640 * 512 * 4
     return [
-        (f"{slots[0] * slots[1]} Dask workers of {slots[2]} units at once, {number} units that sleep 1 s", "value"),
-        ("units per second (1000 would be all that the workers can)", f"{rate:.0f}"),
+        (f"{slots[0] * slots[1]} Dask workers of {slots[2]} units at once, {number} units that sleep {scaling_jobs.PAUSE:g} s", "value"),
+        (f"units per second ({count / scaling_jobs.PAUSE:.0f} would be all that the workers can)", f"{rate:.0f}"),
         ("processor time of the scheduler for a unit", f"{1000 * per_unit:.2f} ms"),
         ("processor time of the requesting process for a unit", f"{1000 * asks:.2f} ms"),
         ("scheduler busy, of one processor", f"{100 * busy / wall:.0f} %"),

@@ -53,13 +53,17 @@ def peak_mb() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000.0
 
 
+#: Time of a simulated unit [s]: with half a second a thousand slots take up to 2000 units a second, so that they are not the limit.
+PAUSE = 0.5
+
+
 async def simulated(unit: bytes, content: bytes, topic: str) -> None:
     """In the place of :func:`seaglint.cluster.remote.do`: sleeps in the worker's event loop, so that a unit costs no thread."""
     from seaglint.cluster.job import Done
     from seaglint.cluster.remote import publish
 
     began = time.perf_counter()
-    await asyncio.sleep(1.0)
+    await asyncio.sleep(PAUSE)
     key, number = pickle.loads(unit)
     record = FrameRecord(pickle.loads(number), "0" * 64, 0.0, 0.0)
     publish(topic, key, pickle.dumps(Done(record.frame, record, time.perf_counter() - began, "simulated")))

@@ -210,6 +210,15 @@ def test_a_range_over_workers_is_the_same_in_both_spellings(seaglint, tmp_path: 
     assert alone.out == named.out == bare.out
 
 
+@pytest.mark.parametrize("detector", ["fob", "nofile.py:look"])
+def test_an_unknown_detector_of_a_range_is_refused_before_any_work(seaglint, tmp_path: Path, detector: str) -> None:
+    (tmp_path / "boat.toml").write_text(SCENE)
+    answer = seaglint("detect", "range", tmp_path / "boat.toml", "--detector", detector, "-o", tmp_path / "found", "--progress", "none")
+    assert (answer.code, answer.out) == (2, "")
+    assert "first estimate" not in answer.err
+    assert [path.name for path in tmp_path.iterdir()] == ["boat.toml"]
+
+
 @pytest.mark.parametrize(
     "command", [("detect", "recording", "--contrast", "8", "--threshold", "3"), ("analyze",)], ids=["detect", "analyze"]
 )
