@@ -158,7 +158,7 @@ def judged(one: Clip) -> FalseAlarmCount:
 
 
 def analysed(one: Clip) -> FalseAlarmRate:
-    """Return the false alarms of a clip as ``seaglint analyze --scope sequence`` counts them, by the mean and deviation of the clip."""
+    """Return the false alarms of a clip as ``seaglint analyze --sigma sequence`` counts them, by the mean and deviation of the clip."""
     alarms = FalseAlarms((one.threshold,))
     alarms.add(standardise(one.frames, scope="sequence", scale=(float(one.frames.mean()), float(one.frames.std()))))
     return alarms.rates()[0]

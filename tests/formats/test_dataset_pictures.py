@@ -108,7 +108,7 @@ def test_both_depths_have_one_name_each(stores, tmp_path, form):
         assert (one["bits"], one["count_scale_16"], one["radiance_scale_16"]) == (8, 1.0, LINE[0])
     card = (folder / "README.md").read_text()
     assert "beside them 16 bits" in card
-    assert f"--format {form} --bits both`" in card
+    assert f"--format {form} --bits both --min-snr 1`" in card
     chosen.image_path(folder, one["split"], name, "png", "16").unlink()
     assert any("is missing" in line for line in dataset_writing.problems(folder))
 
@@ -159,7 +159,7 @@ def test_one_range_for_all_clips_and_counts(stores, tmp_path, counts, caplog):
     card = (folder / "README.md").read_text()
     assert f"{total} of {pixels} pixels are beyond the range of 8 bits" in card
     assert "are the same for all pictures" in card
-    assert f"--range {ends[0]!r} {ends[1]!r}`" in card
+    assert f"--range {ends[0]!r} {ends[1]!r} --min-snr 1`" in card
     assert f"{total} of {pixels} pixels" in caplog.text
     with (folder / "parameters.csv").open(newline="") as file:
         assert sum(int(row["clipped_px"]) for row in csv.DictReader(file)) == total
