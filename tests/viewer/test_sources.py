@@ -244,7 +244,8 @@ def test_memory_does_not_grow_with_the_frames(tmp_path):
 @pytest.mark.parametrize("unit", [1, 8])
 def test_huge_store_opens_with_few_reads(tmp_path, unit, monkeypatch):
     huge = tmp_path / "huge.zarr"
-    place_of(huge).create(replace(layout(80_000, 512, 640, truth=False, layers=()), frames_per_unit=unit))  # 105 GB when whole
+    (stage := tmp_path / "stage").mkdir()
+    place_of(huge).create(replace(layout(80_000, 512, 640, truth=False, layers=()), frames_per_unit=unit), stage)  # 105 GB when whole
     shards = Shards(zarr.open_group(partial_path(huge), mode="r+"))
     block = shards.blank(shards.span(0))
     block["radiance"][0] = radiance(0, 512, 640)

@@ -202,7 +202,8 @@ def detect(
 
     A function of frames is a detector as well:
 
-    >>> found = sg.detect(noise, [1.0, 3.0], detector=lambda frames: frames, threshold=3.0, injections=50)
+    >>> own = lambda frames: frames
+    >>> found = sg.detect(noise, [1.0, 3.0], detector=own, injections=50)
     >>> found["detector"]
     'lambda'
     """

@@ -199,7 +199,7 @@ class CorrelatedLags:
         Parameters
         ----------
         counts, shift
-            As in :func:`rate_variance`.
+            As in ``rate_variance``.
 
         Returns
         -------
@@ -221,7 +221,7 @@ class CorrelatedLags:
         Parameters
         ----------
         counts : sequence of (ndarray of int, ndarray)
-            Exceedances of each cell at the threshold and at the lower one, with the shift of :func:`rate_variance` [1].
+            Exceedances of each cell at the threshold and at the lower one, with the shift of ``rate_variance`` [1].
 
         Returns
         -------

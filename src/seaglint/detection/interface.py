@@ -263,7 +263,7 @@ def _error_line(error: Exception) -> str:
 def load(path: str) -> UserDetector:
     """Load the detector ``package.module:attribute`` or ``FILE.py:attribute``; the current folder is searched as well.
 
-    The attribute is as for :func:`user_detector`.
+    The attribute is as for ``user_detector``.
 
     Raises
     ------

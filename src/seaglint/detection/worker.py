@@ -13,6 +13,8 @@ import threading
 from multiprocessing.connection import Connection
 from typing import Any
 
+import numpy as np
+
 from seaglint.base.errors import DataError, one_line
 from seaglint.detection.interface import UserDetector, load
 
@@ -35,7 +37,9 @@ def serve(connection: Connection) -> None:
     while True:
         frames = inbox.get()
         try:
-            connection.send((True, detector(frames)))
+            with np.errstate(all="ignore"):  # numbers that do not exist are judged by the calling process
+                answer = detector(frames)
+            connection.send((True, answer))
         except DataError as error:
             connection.send((False, str(error)))
 
