@@ -123,6 +123,8 @@ class DaskMapping:
         while True:
             try:
                 if not self._fill():
+                    with suppress(SchedulerGoneError):  # a worker that left just before the end is reported too
+                        self.workers.look(at_once=True)
                     return
                 messages = self._wait()
                 self.patience.tick()
