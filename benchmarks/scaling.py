@@ -70,14 +70,17 @@ def processes() -> Rows:
     return rows
 
 
+@contextlib.contextmanager
+def teams(count: int) -> Iterator[tuple[LocalProcesses, DaskWorkers]]:
+    """Two local processes, and ``count`` workers of a scheduler."""
+    with LocalProcesses(2) as local, scheduler() as address, hosts(address, count, 1, 1), connected(address) as dask:
+        yield local, dask
+
+
 def overhead() -> Rows:
     """What sharing out adds to frames of one second that sleep."""
     rows: Rows = [("workers", "frames of 1 s", "wall time", "over the ideal")]
-    with contextlib.ExitStack() as stack:
-        local = stack.enter_context(LocalProcesses(2))
-        address = stack.enter_context(scheduler())
-        stack.enter_context(hosts(address, 3, 1, 1))
-        dask = stack.enter_context(connected(address))
+    with teams(3) as (local, dask):
         for name, workers, count in (("2 local processes", local, 2), ("Dask, 3 workers", dask, 3)):
             wall, done = timed(workers, Job(scaling_jobs.sleeping, 1.0), 8 * count)
             ideal = len(done) / count
@@ -88,11 +91,7 @@ def overhead() -> Rows:
 def tiny(count: int = 100_000) -> Rows:
     """Overhead of each of many units that do nothing."""
     rows: Rows = [("2 workers", "units", "wall time a unit", "processor time a unit in the requesting process")]
-    with contextlib.ExitStack() as stack:
-        local = stack.enter_context(LocalProcesses(2))
-        address = stack.enter_context(scheduler())
-        stack.enter_context(hosts(address, 2, 1, 1))
-        dask = stack.enter_context(connected(address))
+    with teams(2) as (local, dask):
         for name, workers in (("local processes", local), ("Dask", dask)):
             own = time.process_time()
             wall, done = timed(workers, Job(scaling_jobs.sleeping, 0.0), count)

@@ -80,8 +80,9 @@ class Mot(DatasetFormat):
 
     name: ClassVar[str] = "mot"
     layout: ClassVar[str] = (
-        "`SPLIT/SCENE/` with `seqinfo.ini`, `img1/000001.png`, `gt/gt.txt` (frame, object, left, top, width, height, 1, class, visible "
-        "share; frames, objects, classes and pixels count from 1) and `gt/labels.txt`, the names of the classes; `seqmaps/SPLIT.txt`"
+        "`SPLIT/SCENE/` with `seqinfo.ini`, `img1/000001.png`, `gt/gt.txt` (frame, object, left, top, width, height, considered, "
+        "class, visible share; frames, objects, classes and pixels count from 1) and `gt/labels.txt`, the names of the "
+        "classes; `seqmaps/SPLIT.txt`"
     )
     folders: ClassVar[tuple[str, ...]] = (*SPLITS, "seqmaps")
     sequences: ClassVar[bool] = True
