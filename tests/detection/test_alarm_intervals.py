@@ -42,6 +42,29 @@ def test_lags_follow_a_pattern_that_drifts() -> None:
     assert not lags[1, 0, -1]
 
 
+def test_variance_is_the_sum_over_all_pairs_of_cells_at_correlated_lags() -> None:
+    rng = np.random.default_rng(4)
+    pixels = rng.integers(20, 40, (9, 5, 6))
+    field = gaussian_filter(rng.normal(size=pixels.shape), (1.0, 0.6, 0.6)) * pixels
+    counts = np.minimum(rng.poisson(np.exp(3.0 * field / np.abs(field).max())), pixels)
+    shift = rng.normal(size=pixels.shape)
+    lags = CorrelatedLags([field], pixels)
+    variance = lags.variance(counts, shift)
+    assert variance is not None
+    places, number = list(np.ndindex(pixels.shape)), int(pixels.sum())
+    residuals = counts - counts.sum() / number * pixels - shift
+    total = lost = occupied = 0.0
+    for one in places:
+        for other in places:
+            if lags.inside[tuple(np.subtract(one, other))]:
+                total += residuals[one] * residuals[other]
+                lost += pixels[one] * pixels[other] / number**2
+                occupied += 1.0
+    assert 0.02 < lost < 0.6
+    assert variance.variance == pytest.approx(total / (1.0 - lost) / number**2, rel=1e-9)
+    assert variance.degrees == pytest.approx(len(places) ** 2 / occupied - 1.0, rel=1e-9)
+
+
 def test_effective_interval_of_clusters_is_that_of_so_many_fewer_pixels() -> None:
     assert effective_interval(200, 40_000, 4.0, 1e9, 0.95) == pytest.approx(effective_interval(50, 10_000, 1.0, 1e9, 0.95), rel=1e-6)
     low, high = effective_interval(0, 10_000, 2.0, 1e9, 0.95)

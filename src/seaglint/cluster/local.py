@@ -402,6 +402,8 @@ class _LocalMapping:
     def _judge(self, worker: _Worker) -> Failed[Any] | None:
         """Give the unit of an overdue process to another one; return the outcome of a unit without further attempts."""
         silent, starting, task = self.patience.now - worker.heard, not worker.ready, worker.task
+        if self.patience.in_time(silent, starting=starting):
+            return None
         last = self.patience.last_limit(starting=starting)
         if worker.overdue and worker.computes(self.patience.now, last):  # slow, and not frozen
             last *= self.patience.limits.factor

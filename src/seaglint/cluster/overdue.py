@@ -87,6 +87,10 @@ class Patience:
         """Add the time of a finished unit, or of a start [s]."""
         (self._starts if starting else self._units).recent.append(seconds)
 
+    def in_time(self, silent: float, *, starting: bool = False) -> bool:
+        """Return True for a time without an answer below the smallest limit [s]; no median is computed for it."""
+        return silent <= (self._starts if starting else self._units).least
+
     def limit(self, *, starting: bool = False) -> float:
         """Return the time without an answer after which a worker is overdue [s]."""
         return (self._starts if starting else self._units).limit
