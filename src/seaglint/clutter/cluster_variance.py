@@ -157,9 +157,11 @@ class CorrelatedLags:
         Sums of a quantity over the valid pixels of each cell: of z and of z² - 1 [1].
     pixels : ndarray of int
         Valid pixels of each cell, some of them above 0 [1].
+    reach : float
+        Farthest lags in space that count, over those that are correlated [1].
     """
 
-    def __init__(self, fields: Sequence[FloatArray], pixels: NDArray[np.int64]) -> None:
+    def __init__(self, fields: Sequence[FloatArray], pixels: NDArray[np.int64], reach: float = 1.0) -> None:
         from scipy.fft import rfftn
 
         self.pixels, self.number = pixels, int(pixels.sum())
@@ -179,8 +181,10 @@ class CorrelatedLags:
             np.square(square, out=square)
             noise = _ERRORS**2 * float(square[(square > _STRONG**2) & (pairs > 0.25 * most)].sum()) / pairs
             self.inside |= square > np.maximum(noise, CORRELATED**2, out=noise)
-        self.inside &= usable
         self.inside[0, 0, 0] = True
+        if reach > 1.0:
+            self.inside |= _stretched(self.inside, reach)
+        self.inside &= usable
         # The sum of products at these lags is, by Parseval, a sum over the transform, of which the real one holds half.
         self._weight = rfftn(self.inside.astype(np.float64)).real / pairs.size
         self._weight[..., 1 : (pairs.shape[2] + 1) // 2] *= 2.0
@@ -231,6 +235,16 @@ class CorrelatedLags:
         known = [pair for pair in counts if FEWEST_COUNTS <= int(pair[0].sum()) <= self.number - FEWEST_COUNTS]
         usable = [variance for pair in known if (variance := self.variance(*pair)) is not None]
         return max(usable, key=lambda variance: variance.inflation, default=None)
+
+
+def _stretched(inside: NDArray[np.bool_], reach: float) -> NDArray[np.bool_]:
+    """Return lags in space within ``reach`` times the lags given, of all times; lag 0 first, negative ones last."""
+    out = inside
+    for axis in (1, 2):
+        n = out.shape[axis]
+        lag = np.fft.fftfreq(n, 1.0 / n)
+        out = np.take(out, np.fix(np.abs(lag) / reach).astype(int) * np.sign(lag).astype(int), axis=axis)
+    return out
 
 
 def _stated(variance: float, rate: float, number: int, degrees: float, note: str | None = None) -> ClusterVariance:
@@ -319,6 +333,23 @@ def score_interval(count: int, pixels: int, inflation: float, degrees: float, le
     return max(centre - half, 0.0), min(centre + half, 1.0)
 
 
+def student_widening(degrees: float, level: float) -> float:
+    """Return the square of Student's quantile over the Gaussian one: the widening for a variance that is estimated itself [1].
+
+    Parameters
+    ----------
+    degrees : float
+        Degrees of freedom of the variance [1]; infinite where it is known.
+    level : float
+        Level of the interval [1].
+    """
+    from scipy.special import ndtri, stdtrit
+
+    if not math.isfinite(degrees):
+        return 1.0
+    return float(stdtrit(degrees, 0.5 + 0.5 * level) / ndtri(0.5 + 0.5 * level)) ** 2
+
+
 def effective_interval(count: int, pixels: int, inflation: float, degrees: float, level: float) -> tuple[float, float]:
     """Return the interval of a rate with the effective number of pixels and of occurrences.
 
@@ -332,10 +363,9 @@ def effective_interval(count: int, pixels: int, inflation: float, degrees: float
         Bounds of the rate [1].
     """
     from scipy.special import betaincinv
-    from scipy.stats import norm, t
 
     tail = 0.5 * (1.0 - level)
-    wider = float(t.isf(tail, degrees) / norm.isf(tail)) ** 2 * inflation
+    wider = student_widening(degrees, level) * inflation
     k, n = count / wider, pixels / wider
     part = 0.0 if count < FEWEST_COUNTS else 0.5
     low = float(betaincinv(k + part, n - k + 1.0 - part, tail)) if count else 0.0

@@ -21,6 +21,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.jit import njit
 from seaglint.clutter.cluster_variance import FEW, FEWEST_COUNTS, LOWER, ClusterVariance, CorrelatedLags, effective_interval, rate_variance
@@ -41,6 +42,11 @@ _BINS = round((HIGHEST - LOWEST) / BIN)
 SEGMENTS: Final = 256  #: Largest number of time segments of the counts; when it is reached, neighbours are joined.
 
 _INDEPENDENT = f"fewer than {FEWEST_COUNTS} exceedances; the interval takes pixels as independent"
+
+#: Lags at which clusters are counted, over those at which z is correlated, where z has the mean and deviation of the same pixels [1].
+#:
+#: What these leave of the scatter is small within a patch and adds up over rough and calm patches.
+ESTIMATED_REACH: Final = 1.75
 
 LONE_SHARE: Final = 0.15  #: Share of a region's exceedances above which a single row or column is examined.
 
@@ -107,6 +113,7 @@ class FalseAlarmRate:
     correlation_time: float | None  #: 1/e time of the exceedances [frames]; None with the reason in ``correlation_note``.
     note: str | None = None  #: Reason for an absent interval, or the assumption behind the interval.
     correlation_note: str | None = None  #: Reason for an absent correlation time.
+    degrees: float = math.inf  #: Degrees of freedom of ``inflation`` [1]; infinite where it is not estimated.
 
     @property
     def ratio(self) -> float:
@@ -131,6 +138,16 @@ class RateCurve:
     def gaussian_rate(self) -> NDArray[np.float64]:
         """One-sided Gaussian tail [1]."""
         return gaussian_rate(self.threshold)
+
+    def density(self, threshold: float) -> float:
+        """Density of z at a threshold [per standard deviation], over 0.2 standard deviations, as single bins may be empty."""
+        if self.threshold.size < 2:
+            return 0.0
+        below, above = (
+            float(np.interp(threshold + side * 0.1, self.threshold, self.exceedances, left=self.exceedances[0], right=0.0))
+            for side in (-1, 1)
+        )
+        return (below - above) / 0.2 / max(self.pixels, 1)
 
     def threshold_for(self, rate: float) -> float | None:
         """Lowest threshold whose measured rate is at most ``rate`` [standard deviations]; None below one exceedance in the data."""
@@ -179,6 +196,9 @@ class FalseAlarms:
         In standard deviations, above 0; duplicates are taken once.
     max_lag : int
         Largest lag of the joint probability [frames].
+    estimated : bool
+        Whether mean and standard deviation behind z are those of the same pixels: they follow the exceedances, which makes the rate more
+        certain. Each cell moves the threshold m by (sum z + m / 2 sum (z² - 1)) / pixels.
 
     Raises
     ------
@@ -186,10 +206,11 @@ class FalseAlarms:
         Thresholds that are missing or not above 0.
     """
 
-    def __init__(self, thresholds: Sequence[float] = (3.0, 3.5), max_lag: int = MAX_LAG) -> None:
+    def __init__(self, thresholds: Sequence[float] = (3.0, 3.5), max_lag: int = MAX_LAG, *, estimated: bool = False) -> None:
         self.thresholds = tuple(sorted({float(m) for m in thresholds}))
         if not self.thresholds or not all(0 < m < HIGHEST for m in self.thresholds):
             raise DomainError(f"thresholds = {list(thresholds)}: give numbers of standard deviations above 0 and below {HIGHEST:g}")
+        self.estimated = estimated
         # Exceedances are counted at lower thresholds as well, for the intervals.
         self._levels = tuple(sorted({f * m for m in self.thresholds for f in (1.0, LOWER)}))
         self.frames = 0
@@ -267,11 +288,21 @@ class FalseAlarms:
             s = -(-self.frames // self._per_segment)
             own, lower = (self._cells[self._levels.index(f * m), :s] for f in (1.0, LOWER))
             valid = self._valid[:s]
-            self._lags = self._lags or CorrelatedLags((self._sums[:s, 0], self._sums[:s, 1]), valid)
-            by_lags = self._lags.alarm_variance(((own, None), (lower, None)))
+            reach = ESTIMATED_REACH if self.estimated else 1.0
+            self._lags = self._lags or CorrelatedLags((self._sums[:s, 0], self._sums[:s, 1]), valid, reach)
+            moved = [self._moved(f * m, s) for f in (1.0, LOWER)]
+            by_lags = self._lags.alarm_variance(((own, moved[0]), (lower, moved[1])))
             few = int(own.sum()) < FEWEST_COUNTS
-            self._variances[m] = by_lags or (ClusterVariance(0.0, math.inf, 1.0, _INDEPENDENT) if few else rate_variance(own, valid))
+            alone = ClusterVariance(0.0, math.inf, 1.0, _INDEPENDENT)
+            self._variances[m] = by_lags or (alone if few else rate_variance(own, valid, moved[0]))
         return self._variances[m]
+
+    def _moved(self, threshold: float, segments: int) -> FloatArray | None:
+        """Exceedances by which each cell moves the count through the threshold [1]; None where it is known."""
+        if not self.estimated:
+            return None
+        total, square = self._sums[:segments, 0], self._sums[:segments, 1]
+        return np.asarray(self.curve().density(threshold) * (total + 0.5 * threshold * square))
 
     def rates(self, level: float = 0.95) -> list[FalseAlarmRate]:
         """Return the rate at each threshold with its confidence interval of a level, lowest threshold first.
@@ -303,7 +334,8 @@ class FalseAlarms:
             if variance.variance is not None:
                 inflation = variance.inflation
                 low, high = effective_interval(count, pixels, inflation, variance.degrees, level)
-            out.append(FalseAlarmRate(m, count, pixels, count / pixels, low, high, level, gaussian, inflation, time, note, why))
+            rate = count / pixels
+            out.append(FalseAlarmRate(m, count, pixels, rate, low, high, level, gaussian, inflation, time, note, why, variance.degrees))
         return out
 
     def lines(self, threshold: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

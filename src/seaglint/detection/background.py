@@ -241,21 +241,10 @@ def count_false_alarms(background: Background, threshold: Threshold, level: floa
         with_alarm[k] = bool((z > threshold.sigma).any())
     curve = alarms.curve()
     # The density of z converts a shift of a threshold to a number of pixels.
-    at, below = (
-        curve_density(curve.threshold, curve.exceedances, m) / max(curve.pixels, 1) for m in (threshold.sigma, LOWER * threshold.sigma)
-    )
+    at, below = (curve.density(m) for m in (threshold.sigma, LOWER * threshold.sigma))
     per_pixel = cells.false_alarm_interval((at, below), level)
     per_frame = interval(with_alarm[:, None, None], np.ones((windows, 1, 1), np.int64), None, level)
     return FalseAlarmCount(alarms, cells, per_pixel, per_frame)
-
-
-def curve_density(threshold: NDArray[np.float64], exceedances: NDArray[np.int64], at: float, half: float = 0.1) -> float:
-    """Return the number of pixels per standard deviation at a threshold, from a rate curve [1]."""
-    if threshold.size < 2:
-        return 0.0
-    # Central difference over 0.2 standard deviations: single bins of the curve may be empty.
-    below, above = (float(np.interp(at + s * half, threshold, exceedances, left=exceedances[0], right=0.0)) for s in (-1, 1))
-    return (below - above) / (2 * half)
 
 
 def _room(shape: tuple[int, ...]) -> Any:

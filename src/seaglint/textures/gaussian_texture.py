@@ -1,10 +1,10 @@
-"""Texture of a Gauss-Markov field: correlations by the field, values by a marginal transform, patches by a slow field."""
+"""Texture of a Gauss-Markov field: correlations by the field, long tails by a marginal transform, by its noise and by a slow scale."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +14,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.textures import gauss_markov_fit as estimation
 from seaglint.textures.gauss_markov import GaussMarkov, canonical, pseudo_log_likelihood
-from seaglint.textures.long_tails import find_modulation
+from seaglint.textures.long_tails import Innovations, innovations
 from seaglint.textures.marginals import Marginal, Tails, fit_marginal
 from seaglint.textures.synthesis import Modulation, latent
 
@@ -25,13 +25,57 @@ REACH: Final = (2, 4, 4)  #: Farthest candidate neighbours, in frames, rows and 
 SPACE_IN_TIME: Final = 2  #: Farthest rows and columns of neighbours in other frames: waves move a pixel or two from one frame to the next.
 
 
+LawName = Tails | Literal["noise"]
+
+#: Laws in words.
+NAMES: Final[Mapping[LawName, str]] = {
+    "gaussian": "Gaussian values",
+    "gamma": "gamma values",
+    "lognormal": "lognormal values",
+    "k": "K values",
+    "empirical": "empirical values",
+    "noise": "empirical noise",
+}
+
+
+@dataclass(frozen=True)
+class Law:
+    """Source of the long tails of a texture."""
+
+    #: Distribution of the pixels, or ``noise``: Gaussian pixels filtered from white noise of the distribution of the data's own noise.
+    tails: LawName
+    scaled: bool = False  #: Whether a slow scale multiplies the noise.
+
+    @property
+    def values(self) -> Tails:
+        """Distribution of the pixels."""
+        return "gaussian" if self.tails == "noise" else self.tails
+
+    @property
+    def name(self) -> str:
+        """Law in words.
+
+        Examples
+        --------
+        >>> Law("gamma").name, Law("noise", scaled=True).name
+        ('gamma values', 'empirical noise times a slow scale')
+        """
+        return NAMES[self.tails] + (" times a slow scale" if self.scaled else "")
+
+
 @dataclass(frozen=True)
 class GaussianTexture:
-    """Texture ``marginal(x)`` of a Gauss-Markov field x of variance 1, made of white noise or of noise times a slow field."""
+    """Texture ``marginal(x)`` of a Gauss-Markov field x of variance 1, filtered from white noise or from noise times a slow field."""
 
     field: GaussMarkov  #: Correlations of the Gaussian field; its variance on the plane is near 1.
     marginal: Marginal  #: Values of the pixels [u].
     modulation: Modulation | None = None  #: Slow field.
+    noise: Marginal | None = None  #: Distribution of the white noise, of mean 0 and variance 1; Gaussian where None.
+
+    @property
+    def law(self) -> Law:
+        """Law of the texture."""
+        return Law("noise" if self.noise is not None else self.marginal.kind, scaled=self.modulation is not None)
 
     @property
     def reach(self) -> tuple[int, int, int]:
@@ -46,7 +90,7 @@ class GaussianTexture:
         DomainError
             A torus too small for the neighbourhood.
         """
-        return self.marginal.transform(latent(self.field, shape, seed, self.modulation))
+        return self.marginal.transform(latent(self.field, shape, seed, self.modulation, self.noise))
 
     def pseudo_log_likelihood(self, data: ArrayLike) -> float:
         """Mean log density of a pixel given its neighbours [per pixel, of values in u]; the slow field is not used."""
@@ -59,6 +103,7 @@ class GaussianTexture:
             **self.field.to_dict(),
             "marginal": self.marginal.to_dict(),
             "modulation": None if self.modulation is None else self.modulation.to_dict(),
+            "noise": None if self.noise is None else self.noise.to_dict(),
         }
 
     @classmethod
@@ -73,9 +118,12 @@ class GaussianTexture:
         if values.get("kind") != KIND:
             raise DataError(f"kind = {values.get('kind')!r}: not a Gauss-Markov texture; fit one with model = 'gauss-markov'")
         try:
-            slow = values.get("modulation")
+            slow, noise = values.get("modulation"), values.get("noise")
             return cls(
-                GaussMarkov.from_dict(values), Marginal.from_dict(values["marginal"]), None if slow is None else Modulation.from_dict(slow)
+                GaussMarkov.from_dict(values),
+                Marginal.from_dict(values["marginal"]),
+                None if slow is None else Modulation.from_dict(slow),
+                None if noise is None else Marginal.from_dict(noise),
             )
         except (KeyError, TypeError, IndexError) as error:
             raise DataError(f"not a whole Gauss-Markov texture ({error!r}): fit it anew") from error
@@ -85,11 +133,9 @@ class GaussianTexture:
 class TextureFit:
     """Fitted texture with the diagnostics of the fit."""
 
-    texture: GaussianTexture  #: Field, marginal and slow field.
+    texture: GaussianTexture  #: Field, values, noise and slow scale.
     field: estimation.GaussMarkovFit  #: Standard errors and criterion of the Gaussian field.
     correlation_error: float  #: Share of the variance that the expansion of the marginal transform leaves out [1].
-    #: Log ratios of exceedances at 2.5, 3 and 3.5 standard deviations of the filtered picture, sample over data. Shape (3,).
-    tail_misfit: FloatArray
     notes: tuple[str, ...] = ()  #: Remarks on the fit.
 
 
@@ -106,49 +152,83 @@ def neighbours(shape: Sequence[int], reach: Sequence[int] = REACH) -> tuple[tupl
 
 
 def fit_texture(
-    data: ArrayLike, tails: Tails = "gaussian", *, reach: Sequence[int] = REACH, product: bool | None = None, most: int = 16, seed: int = 0
+    data: ArrayLike,
+    law: Law | None = None,
+    *,
+    reach: Sequence[int] = REACH,
+    most: int = 16,
+    offsets: Sequence[estimation.Offset] | None = None,
 ) -> TextureFit:
-    """Fit a texture to a picture or sequence that is not periodic.
+    """Fit a texture of one law to a picture or sequence that is not periodic.
 
     Parameters
     ----------
     data : array_like, shape (rows, columns) or (frames, rows, columns)
-        [u], without missing values.
-    tails : str
-        Distribution of the pixels, one of ``seaglint.textures.marginals.TAILS``.
+        [u]; NaN where a pixel does not count.
+    law : Law, optional
+        Gaussian by default.
     reach : (int, int, int)
         Farthest neighbours tried [frames, rows, columns].
-    product : bool, optional
-        Whether a slow field may be added to meet the tails of the filtered picture; by default unless ``tails`` is gaussian.
     most : int
         Largest number of neighbour pairs.
-    seed : int
-        Seed of the samples for the search of the slow field.
+    offsets : sequence of (int, int, int), optional
+        Neighbours (frames, rows, columns) where they are known; chosen by Schwarz's criterion otherwise.
 
     Raises
     ------
     DataError
-        Missing or equal values, too few pixels, covariances that no field has.
+        Values that are all equal, too few pixels, covariances that no field has.
     """
-    x = np.array(data, np.float64, ndmin=3)
-    pool = neighbours(x.shape, reach)
-    far = np.abs(np.array(pool)).max(axis=0)
-    measured = estimation.covariances(x, [min(int(r), (n - 1) // 2) for r, n in zip(far, x.shape, strict=True)])
-    # A small picture has no covariances at the farthest distances: neighbours there are no candidates.
-    pool = tuple(d for d in pool if all(abs(p) <= r for p, r in zip(d, measured.reach, strict=True)))
-    variance = measured.at((0, 0, 0))
-    if not variance > 0.0:
-        raise DataError("all values are equal: there is no texture to fit; choose another region")
-    marginal = fit_marginal(x, tails)
-    # The field is fitted to the correlations that it has before the transform to the values.
-    field = estimation.choose(replace(measured, values=marginal.latent_correlation(measured.values / variance), mean=0.0), pool, most)
-    notes = list(field.notes)
-    slow, misfit = None, np.full(3, np.nan)
-    if product or (product is None and tails != "gaussian"):
-        slow, misfit = find_modulation(x, field.model, marginal, seed)
-    if slow is not None:
-        notes.append(
-            f"{tails} values alone leave the filtered picture short of exceedances: fine structure is multiplied by a slow gamma field of "
-            f"shape {slow.shape:.3g}"
+    return FieldsOf(data, reach=reach, most=most, offsets=offsets).fit(law or Law("gaussian"))
+
+
+class FieldsOf:
+    """Fits of several laws to the same data: a field is fitted once for each distribution of the pixels.
+
+    Parameters and errors as of ``fit_texture``.
+    """
+
+    def __init__(
+        self, data: ArrayLike, *, reach: Sequence[int] = REACH, most: int = 16, offsets: Sequence[estimation.Offset] | None = None
+    ) -> None:
+        self._data = np.array(data, np.float64, ndmin=3)
+        self._chosen = None if offsets is None else tuple(offsets)
+        pool = neighbours(self._data.shape, reach) if self._chosen is None else self._chosen
+        far = np.abs(np.array([*pool, (0, 0, 0)])).max(axis=0)
+        self._measured = estimation.covariances(
+            self._data, [min(int(r), (n - 1) // 2) for r, n in zip(far, self._data.shape, strict=True)]
         )
-    return TextureFit(GaussianTexture(field.model, marginal, slow), field, marginal.truncation, misfit, tuple(notes))
+        if not self._measured.at((0, 0, 0)) > 0.0:
+            raise DataError("all values are equal: there is no texture to fit; choose another region")
+        # A small picture has no covariances at the farthest distances: neighbours there are no candidates.
+        self._pool = tuple(d for d in pool if all(abs(p) <= r for p, r in zip(d, self._measured.reach, strict=True)))
+        self._most = most
+        self._fields: dict[Tails, tuple[Marginal, estimation.GaussMarkovFit]] = {}
+        self._noises: dict[Tails, Innovations] = {}
+
+    def fit(self, law: Law) -> TextureFit:
+        """Fit one law."""
+        kind = law.values
+        if kind not in self._fields:
+            self._fields[kind] = self._field(kind)
+        marginal, field = self._fields[kind]
+        noise, slow = None, None
+        if law.tails == "noise" or law.scaled:
+            if kind not in self._noises:
+                self._noises[kind] = innovations(marginal.gaussian(self._data), field.model)
+            behind = self._noises[kind]
+            slow = behind.modulation if law.scaled else None
+            noise = behind.law(scaled=slow is not None) if law.tails == "noise" else None
+        return TextureFit(GaussianTexture(field.model, marginal, slow, noise), field, marginal.truncation, field.notes)
+
+    def _field(self, kind: Tails) -> tuple[Marginal, estimation.GaussMarkovFit]:
+        marginal = fit_marginal(self._data[np.isfinite(self._data)], kind)
+        # The field is fitted to the correlations that it has before the transform to the values.
+        correlations = marginal.latent_correlation(self._measured.values / self._measured.at((0, 0, 0)))
+        latents = replace(self._measured, values=correlations, mean=0.0)
+        if self._chosen is None:
+            return marginal, estimation.choose(latents, self._pool, self._most)
+        try:
+            return marginal, estimation.fit(latents, self._pool)
+        except estimation.NoOptimumError:
+            return marginal, estimation.fit(latents.damped(), self._pool)

@@ -1,15 +1,19 @@
-"""Long tails of filtered pictures: the part that the marginal transform does not reproduce, and the slow field that does.
+"""Long tails of filtered pictures: the noise that a field is filtered from, and its slow scale.
 
-False alarms are counted in the Laplacian of a picture, and its tails have two sources. Pixels whose own values have a long tail, sparse
-glints on a dark sea, keep it when they are filtered: the marginal transform suffices. In a bright corridor pixels are spread evenly, and
-yet the Laplacian has a long tail, as rough and calm patches alternate: there the product with a slow field is needed. Its shape and lengths
-are those with which a sample has the exceedances of the data at 2.5, 3 and 3.5 standard deviations, and the same clustering of them.
+False alarms are counted in the Laplacian of a picture. Pixels whose own values have a long tail, sparse glints on a dark sea, keep it when
+they are filtered. In most pictures of the sea pixels are spread evenly, and yet the Laplacian has a long tail, for two reasons: rough and
+calm patches alternate, and within a patch the fine structure itself is not Gaussian. Both are seen in the white noise behind the picture,
+
+    e(w) = X(w) / sqrt(S(w)),
+
+with the spectral density S of the fitted field. Its local strength is the slow scale; divided by it, its values have the distribution of the
+noise. Noise of this distribution times a slow field of this variance and these lengths, filtered by sqrt(S), is a sample: its spectrum is
+exactly S.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -17,32 +21,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.conventions import FloatArray
+from seaglint.clutter.correlation import decay, spatial_correlation
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
 from seaglint.textures.gauss_markov import GaussMarkov
-from seaglint.textures.marginals import Marginal
-from seaglint.textures.synthesis import Modulation, density_of, filtered, latent, rough
+from seaglint.textures.marginals import Marginal, fit_marginal
+from seaglint.textures.synthesis import Modulation, density_of, whitened
 
-THRESHOLDS: Final = (2.5, 3.0, 3.5)  #: Thresholds at which rates are matched [standard deviations of the filtered picture].
+Field = NDArray[np.float32]
 
-NEAR: Final = math.log(1.15)  #: Root mean square of the log ratios of rates below which no correction is needed.
+PATCH: Final = 8.0  #: Standard deviation of the window in which the strength of the noise is averaged, in rows and columns [px].
 
-SHAPES: Final = tuple(np.geomspace(0.12, 12.0, 15))  #: Candidate shapes of the slow field; above the last one it has almost no effect.
+PATCH_IN_TIME: Final = 2.0  #: Standard deviation of this window in time, where frames follow each other [frames].
 
-STRETCHES: Final = (0.5, 1.0, 2.0)  #: Candidate lengths, in times those at which the squares of the filtered data decorrelate.
+#: Variance of the logarithm of the scale below which it is taken as even: a scale that varies by 2 %.
+EVEN: Final = 4e-4
 
-PILOT: Final = 600_000  #: Number of pixels of the samples that are compared with the data.
-
-
-@dataclass(frozen=True)
-class Tail:
-    """Tail rates and length of the filtered picture that are matched."""
-
-    rates: FloatArray  #: Share of the pixels above each of ``THRESHOLDS`` [1, (3,)].
-    counts: FloatArray  #: Pixels above. Shape (3,).
-    #: Correlation of the filtered picture's absolute values at distances of 3 to 8 pixels, mean of rows and columns [1].
-    clusters: FloatArray
-    lengths: tuple[float, float, float]  #: Distances at which it falls to 1/e of its value next door [frames, rows, columns].
+#: Smallest and largest shape of the slow gamma field: with the largest its power varies by 5 %.
+SHAPES: Final = (0.05, 400.0)
 
 
 def interior(frames: ArrayLike) -> NDArray[np.float32]:
@@ -51,90 +47,124 @@ def interior(frames: ArrayLike) -> NDArray[np.float32]:
     return standardise(out, np.ones(out.shape[1:], np.bool_))
 
 
-def tail(frames: ArrayLike) -> Tail:
-    """Measure the tail of a picture or sequence, shape (frames, rows, columns) [u]."""
-    z = interior(frames)
-    counts = np.array([np.count_nonzero(z > m) for m in THRESHOLDS], float)
-    strength = np.abs(np.nan_to_num(z)).astype(np.float64)
-    strength -= strength.mean()
-    variance = max(float(np.mean(strength**2)), 1e-300)
+@dataclass(frozen=True)
+class Innovations:
+    """White noise behind a picture or sequence."""
 
-    def along(axis: int, longest: int) -> FloatArray:
-        lags = range(1, min(longest, strength.shape[axis] - 1) + 1)
-        moved = np.moveaxis(strength, axis, 0)
-        return np.array([float(np.mean(moved[lag:] * moved[:-lag])) / variance for lag in lags])
+    values: Field  #: Noise [1, (frames, rows, columns)], with mean 0 and variance 1; NaN where it is not known.
+    scale: Field  #: Its local standard deviation over the mean one [1, (frames, rows, columns)].
+    modulation: Modulation | None  #: Slow field of this variance and these lengths; None where the scale is even.
 
-    lines = [along(axis, 16) for axis in (0, 1, 2)]
-    lengths = [_length(line) for line in lines]
-    wide = [np.pad(line[2:8], (0, max(6 - line[2:8].size, 0))) for line in lines[1:]]
-    return Tail(counts / max(z.size, 1), counts, 0.5 * (wide[0] + wide[1]), (lengths[0], lengths[1], lengths[2]))
-
-
-def _length(line: FloatArray) -> float:
-    """Distance at which correlations fall below 1/e of the first, 1 to 16 px."""
-    if line.size < 2 or line[0] <= 0.0:
-        return 1.0
-    below = np.flatnonzero(line < line[0] / math.e)
-    return float(below[0] + 1) if below.size else float(line.size)
+    def law(self, *, scaled: bool) -> Marginal:
+        """Return the distribution of the noise, or of the noise divided by its local scale, with mean 0 and variance 1."""
+        values = self.values / self.scale if scaled else self.values
+        found = fit_marginal(values[np.isfinite(values)], "empirical")
+        unit = Marginal("empirical", 0.0, 1.0, None, found.quantiles)
+        spread = math.sqrt(unit.variance)
+        # The table ends beyond the data: its variance is near 1.
+        return Marginal("empirical", -unit.mean / spread, 1.0 / spread, None, found.quantiles)
 
 
-def misfit(sample: Tail, data: Tail) -> FloatArray:
-    """Return the logarithm of the ratios of rates at the thresholds, sample over data [1]; a fraction of a pixel replaces 0."""
-    return np.asarray(
-        np.log(np.maximum(sample.rates, 0.3 / PILOT) / np.maximum(data.rates, 0.5 * data.rates[0] / max(data.counts[0], 1.0) + 1e-12))
-    )
-
-
-def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, seed: int = 0) -> tuple[Modulation | None, FloatArray]:
-    """Search the slow field with which filtered samples have the tails of the data.
+def innovations(values: ArrayLike, model: GaussMarkov) -> Innovations:
+    """Compute the noise behind a picture or sequence, and its slow scale.
 
     Parameters
     ----------
-    data : array_like, shape (frames, rows, columns)
-        [u].
-    model, marginal : GaussMarkov, Marginal
-        Model and marginal of the texture, already fitted.
-    seed : int
-        Seed of the samples.
-
-    Returns
-    -------
-    modulation : Modulation or None
-        None where the marginal transform alone is as near, or nearer.
-    misfit : ndarray, shape (3,)
-        Remaining log ratios of the rates at ``THRESHOLDS``.
+    values : array_like, shape (frames, rows, columns)
+        Field with mean 0 [1]; NaN where a pixel does not count.
+    model : GaussMarkov
+        Field fitted to it.
     """
-    target = tail(data)
-    shape = pilot_shape(model, np.shape(data)[0])
-    # Rates of few exceedances scatter more and count less.
-    weights = np.sqrt(np.maximum(target.counts, 1.0))
-    plain = misfit(tail(marginal.transform(latent(model, shape, seed))), target)
-
-    def cost(left: FloatArray) -> float:
-        return float(np.average(left**2, weights=weights))
-
-    # Too many exceedances already: a product would add to them.
-    if cost(plain) < NEAR**2 or float(np.average(plain, weights=weights)) > 0.0:
-        return None, plain
+    x = np.asarray(values, np.float32)
+    known = np.isfinite(x)
+    whole = x if known.all() else _nearest(x, known)
+    timed = model.reach[0] > 0
+    margins = [2 * far + (4 if far else 0) for far in model.reach]
+    # Mirrored beyond the borders, where a torus would have a step.
+    pads = [(min(4 * margin, n - 1),) * 2 if margin else (0, 0) for margin, n in zip(margins, x.shape, strict=True)]
+    padded = np.pad(whole, pads, mode="symmetric")
+    shape = padded.shape if timed else (1, *padded.shape[1:])
     density = density_of(model, shape)
-    best: tuple[float, Modulation | None, FloatArray] = (cost(plain), None, plain)
-    for stretch in STRETCHES:
-        lengths = tuple(max(stretch * length, 0.5) for length in target.lengths)
-        for nu in SHAPES:
-            tried = Modulation(float(nu), lengths)  # type: ignore[arg-type]
-            noise = filtered(rough(tried, shape, seed), density)
-            noise /= noise.std()
-            sampled = tail(marginal.transform(noise))
-            left = misfit(sampled, target)
-            # Tails first; of two lengths with the same tails, the one whose exceedances cluster like the data's.
-            total = cost(left) + 0.25 * float(np.mean((sampled.clusters - target.clusters) ** 2))
-            if total < best[0]:
-                best = (total, tried, left)
-    return best[1], best[2]
+    noise = whitened(padded, density) if timed else np.concatenate([whitened(frame[None], density) for frame in padded])
+    inside = tuple(slice(low, low + n) for (low, _), n in zip(pads, x.shape, strict=True))
+    noise = noise[inside].copy()
+    noise[~known] = np.nan
+    edge = [far if n > 8 * far else 0 for far, n in zip(model.reach, x.shape, strict=True)]
+    _blank_border(noise, edge)
+    noise -= np.nanmean(noise)
+    noise /= max(float(np.nanstd(noise)), 1e-30)
+    scale = _local_strength(noise, timed=timed)
+    return Innovations(noise, scale, _modulation(noise, scale, timed=timed))
 
 
-def pilot_shape(model: GaussMarkov, frames: int) -> Sequence[int]:
-    """Torus of the samples that are compared with the data (frames, rows, columns)."""
-    deep = 1 if frames == 1 and model.reach[0] == 0 else max(2 * model.reach[0] + 1, 12)
-    side = int(math.sqrt(PILOT / deep) / 16) * 16
-    return deep, max(side, 2 * max(model.reach) + 1), max(side, 2 * max(model.reach) + 1)
+def _nearest(x: Field, known: NDArray[np.bool_]) -> Field:
+    """Fill pixels that do not count with the nearest ones that do, frame by frame."""
+    from scipy.ndimage import distance_transform_edt
+
+    out = x.copy()
+    for frame, good in zip(out, known, strict=True):
+        if not good.all() and good.any():
+            places = distance_transform_edt(~good, return_distances=False, return_indices=True)
+            frame[...] = frame[tuple(places)]
+    return out
+
+
+def _blank_border(noise: Field, edge: list[int]) -> None:
+    """Leave out the noise at the border, whose neighbours are mirrored ones."""
+    for axis, width in enumerate(edge):
+        if width:
+            along = np.moveaxis(noise, axis, 0)
+            along[:width] = np.nan
+            along[-width:] = np.nan
+
+
+def _window(*, timed: bool) -> tuple[float, float, float]:
+    return (PATCH_IN_TIME if timed else 0.0, PATCH, PATCH)
+
+
+def _local_strength(noise: Field, *, timed: bool) -> Field:
+    """Return the mean absolute noise in a Gaussian window, over its mean in the picture [1]."""
+    from scipy.ndimage import gaussian_filter
+
+    known = np.isfinite(noise)
+    strength = np.where(known, np.abs(noise), 0.0).astype(np.float32)
+    window = _window(timed=timed)
+    total, weight = (gaussian_filter(a, window, mode="constant", truncate=3.0) for a in (strength, known.astype(np.float32)))
+    local = np.maximum(total, 1e-12) / np.maximum(weight, 1e-12)
+    return np.asarray(local / float(local[known].mean()), np.float32)
+
+
+def _modulation(noise: Field, scale: Field, *, timed: bool) -> Modulation | None:
+    """Return the slow field with the variance and lengths of the local scale, less what averages of few pixels vary by chance."""
+    from scipy.optimize import brentq
+    from scipy.special import polygamma
+
+    known = np.isfinite(noise)
+    log = np.where(known, np.log(scale), np.nan)
+    relative = np.abs(noise[known]) / scale[known]
+    averaged = math.prod(2.0 * math.sqrt(math.pi) * w for w in _window(timed=timed) if w)
+    by_chance = float(relative.var()) / float(relative.mean()) ** 2 / averaged
+    variance = float(np.nanvar(log)) - by_chance
+    if not variance > EVEN:
+        return None
+    near = spatial_correlation(log)
+    rows, columns = log.shape[1:]
+    # The window alone correlates its averages to 1/e at twice its width.
+    y, x = (
+        max(length, 2.0 * PATCH) if math.isfinite(length) else max(n / 3.0, 2.0 * PATCH)
+        for length, n in ((near.length_y, rows), (near.length_x, columns))
+    )
+    # The power is the square of the scale: its logarithm has four times the variance.
+    low, high = SHAPES
+    needed = 4.0 * variance
+    shape = low if needed >= polygamma(1, low) else high if needed <= polygamma(1, high) else brentq(lambda v: polygamma(1, v) - needed, low, high)
+    return Modulation(float(shape), (_length_in_time(log) if timed else 0.5, float(y), float(x)))
+
+
+def _length_in_time(log: FloatArray) -> float:
+    """Number of frames after which the logarithm of the scale is correlated to 1/e; a third of the sequence where it stays correlated."""
+    centred = np.nan_to_num(log - np.nanmean(log))
+    longest = max(len(log) // 3, 1)
+    sums = np.array([float(np.mean(centred[lag:] * centred[: len(log) - lag])) for lag in range(longest + 1)])
+    length = float(decay(sums / sums[0]))
+    return max(length, 2.0 * PATCH_IN_TIME) if math.isfinite(length) else float(longest)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Final, Literal, get_args
 
 import numpy as np
@@ -220,6 +220,7 @@ def _tail_slope(knots: FloatArray, values: FloatArray, side: int) -> float:
     return max(float(np.polyfit(knots[outer], values[outer], 1)[0]), 0.0)
 
 
+@lru_cache(maxsize=256)
 def _k_quantiles(shape: float) -> Callable[[FloatArray], FloatArray]:
     """Quantiles of the K distribution of one look, an exponential whose mean is gamma distributed.
 
@@ -227,7 +228,7 @@ def _k_quantiles(shape: float) -> Callable[[FloatArray], FloatArray]:
     """
     from scipy import special
 
-    x = np.exp(np.linspace(math.log(1e-14), math.log(4e3 * max(shape, 1.0)), 20_000))
+    x = np.exp(np.linspace(math.log(1e-14), math.log(4e3 * max(shape, 1.0)), 6_000))
     root = 2.0 * np.sqrt(x)
     log_above = math.log(2.0) + 0.5 * shape * np.log(x) + np.log(special.kve(shape, root)) - root - special.gammaln(shape)
     # A probability falls with x; rounding near 1 must not raise it.

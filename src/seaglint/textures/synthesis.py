@@ -27,7 +27,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.free_form import JsonObject
 from seaglint.textures.gauss_markov import GaussMarkov, Offset, half_weights, require_torus
-from seaglint.textures.marginals import Marginal
+from seaglint.textures.marginals import REACH, Marginal
 
 Field = NDArray[np.float32]
 
@@ -180,7 +180,7 @@ def slow(modulation: Modulation, shape: Sequence[int], seed: int) -> Field:
     return _power(modulation.shape).transform(gaussian(shape, lambda k: across * (along[k] / mean), seed, "texture modulation"))
 
 
-def latent(model: GaussMarkov, shape: Sequence[int], seed: int, modulation: Modulation | None = None) -> Field:
+def latent(model: GaussMarkov, shape: Sequence[int], seed: int, modulation: Modulation | None = None, noise: Marginal | None = None) -> Field:
     """Sample with mean 0 and variance 1 on a torus [1, (frames, rows, columns)], float32.
 
     Parameters
@@ -192,7 +192,9 @@ def latent(model: GaussMarkov, shape: Sequence[int], seed: int, modulation: Modu
     seed : int
         Seed; the same one gives the same bytes for any number of threads.
     modulation : Modulation, optional
-        Slow field; Gaussian without.
+        Slow field; without it rough and calm patches do not alternate.
+    noise : Marginal, optional
+        Distribution of the white noise from which the field is filtered, of mean 0 and variance 1; Gaussian without.
 
     Raises
     ------
@@ -200,31 +202,46 @@ def latent(model: GaussMarkov, shape: Sequence[int], seed: int, modulation: Modu
         A torus that is too small for the model.
     """
     density = density_of(model, shape)
-    if modulation is None:
+    if modulation is None and noise is None:
         return gaussian(shape, density, seed)
-    return filtered(rough(modulation, shape, seed), density)
+    return filtered(rough(shape, seed, modulation, noise), density)
 
 
-def rough(modulation: Modulation, shape: Sequence[int], seed: int) -> Field:
-    """White noise times the root of the slow field's power [1, (frames, rows, columns)]."""
-    power = np.sqrt(slow(modulation, shape, seed))
+def rough(shape: Sequence[int], seed: int, modulation: Modulation | None = None, noise: Marginal | None = None) -> Field:
+    """White noise of a distribution, times the root of the slow field's power [1, (frames, rows, columns)]."""
+    out = np.ones(tuple(shape), np.float32) if modulation is None else np.sqrt(slow(modulation, shape, seed))
 
     def fill(k: int) -> None:
-        power[k] *= random.stream(seed, "texture noise", k).standard_normal(power.shape[1:], dtype=np.float32)
+        drawn = random.stream(seed, "texture noise", k).standard_normal(out.shape[1:], dtype=np.float32)
+        out[k] *= drawn if noise is None else np.interp(drawn, *_knots(noise))
 
-    _each(fill, power.shape[0])
-    return power
+    _each(fill, out.shape[0])
+    return out
+
+
+def _knots(noise: Marginal) -> tuple[FloatArray, FloatArray]:
+    """Standard normal values and values of a distribution at them, for interpolation."""
+    return np.linspace(-REACH, REACH, noise.table.size), noise.table
 
 
 def filtered(noise: Field, density: Density) -> Field:
     """White noise filtered to a spectral density."""
+    return _scaled(noise, lambda k: np.sqrt(density(k)))
+
+
+def whitened(field: Field, density: Density) -> Field:
+    """White noise behind a field of a spectral density: the inverse of ``filtered``."""
+    return _scaled(field, lambda k: 1.0 / np.sqrt(density(k)))
+
+
+def _scaled(field: Field, gain: Density) -> Field:
     from scipy.fft import irfftn, rfftn
 
-    shape = noise.shape
-    spectrum = rfftn(noise, workers=_threads())
+    shape = field.shape
+    spectrum = rfftn(field, workers=_threads())
 
     def scale(k: int) -> None:
-        spectrum[k] *= np.sqrt(density(k)).astype(np.float32)
+        spectrum[k] *= gain(k).astype(np.float32)
 
     _each(scale, shape[0])
     return np.asarray(irfftn(spectrum, s=shape, axes=(0, 1, 2), overwrite_x=True, workers=_threads()), np.float32)
