@@ -113,7 +113,7 @@ def fit_texture(
     Parameters
     ----------
     data : array_like, shape (rows, columns) or (frames, rows, columns)
-        [u], without missing values.
+        [u]; NaN where a pixel does not count.
     tails : str
         Distribution of the pixels, one of ``seaglint.textures.marginals.TAILS``.
     reach : (int, int, int)
@@ -128,7 +128,7 @@ def fit_texture(
     Raises
     ------
     DataError
-        Missing or equal values, too few pixels, covariances that no field has.
+        Infinite or equal values, too few pixels, covariances that no field has.
     """
     x = np.array(data, np.float64, ndmin=3)
     pool = neighbours(x.shape, reach)

@@ -108,9 +108,11 @@ def frames_of(recording: Recording, region: PixelRegion, most: int = MOST_VALUES
 
 
 def detrended(frames: Frames) -> Frames:
-    """Return frames without slow changes of mean and contrast: both have their average everywhere."""
+    """Return frames without slow changes of mean and contrast: both have their average everywhere; NaN stay NaN."""
     from scipy.ndimage import uniform_filter
 
+    if np.isnan(frames).any():
+        return _detrended_with_gaps(frames)
     trend = trend_surface(frames.mean(axis=0, dtype=np.float64))
     # One trend for all frames, so that changes in time remain.
     remainder = frames - trend
@@ -119,6 +121,28 @@ def detrended(frames: Frames) -> Frames:
     local = uniform_filter(power, size=[max(n // AVERAGED, 1) for n in power.shape])
     flat = remainder / np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * power.mean())), degree=2))
     return np.asarray(trend.mean() + math.sqrt(float(power.mean())) * flat / flat.std(), np.float32)
+
+
+def _detrended_with_gaps(frames: Frames) -> Frames:
+    """Return ``detrended`` of the pixels that are not NaN."""
+    from scipy.ndimage import uniform_filter
+
+    exist = np.isfinite(frames)
+    count = exist.sum(axis=0)
+    pixels = count > 0
+
+    def mean_in_time(values: NDArray[np.floating]) -> NDArray[np.float64]:
+        return np.asarray(np.where(exist, values, 0.0).sum(axis=0, dtype=np.float64) / np.maximum(count, 1))
+
+    trend = trend_surface(mean_in_time(frames), pixels)
+    remainder = frames - trend
+    power = mean_in_time(remainder**2)
+    size = [max(n // AVERAGED, 1) for n in power.shape]
+    # Means over the pixels near by that have a value.
+    local = uniform_filter(power, size=size) / np.maximum(uniform_filter(pixels.astype(np.float64), size=size), 1e-12)
+    average = float(power[pixels].mean())
+    flat = remainder / np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * average)), pixels, degree=2))
+    return np.asarray(float(trend[pixels].mean()) + math.sqrt(average) * flat / float(flat[exist].std()), np.float32)
 
 
 @single_threaded_algebra()
