@@ -34,7 +34,7 @@ def with_gaps(x: np.ndarray) -> np.ndarray:
 
 
 def test_covariances_are_averages_over_the_pairs_with_two_values() -> None:
-    x = with_gaps(picture(1, (3, 40, 44)))
+    x = with_gaps(picture(1, (3, 40, 44))).astype(float)
     found = covariances(x, (1, 2, 3))
     centred = x - np.nanmean(x)
     assert found.pixels == np.count_nonzero(np.isfinite(x))

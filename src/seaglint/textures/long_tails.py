@@ -59,14 +59,15 @@ def tail(frames: ArrayLike) -> Tail:
     z = interior(frames)
     valid = np.isfinite(z)
     gaps = not valid.all() and bool(np.isnan(frames).any())
+    number = int(np.count_nonzero(valid)) if gaps else z.size
     counts = np.array([np.count_nonzero(z > m) for m in THRESHOLDS], float)
     strength = np.abs(np.nan_to_num(z)).astype(np.float64)
     if gaps:
-        strength = np.where(valid, strength - float(strength.sum()) / max(np.count_nonzero(valid), 1), 0.0)
+        strength = np.where(valid, strength - float(strength.sum()) / max(number, 1), 0.0)
     else:
         strength -= strength.mean()
     # Without a value a pixel has no strength: products are averaged over the pairs of which both have one.
-    share = max(np.count_nonzero(valid) / valid.size, 1e-300) if gaps else 1.0
+    share = max(number / valid.size, 1e-300)
     variance = max(float(np.mean(strength**2)) / share, 1e-300)
 
     def along(axis: int, longest: int) -> FloatArray:
@@ -74,19 +75,14 @@ def tail(frames: ArrayLike) -> Tail:
         moved = np.moveaxis(strength, axis, 0)
         if gaps:
             exist = np.moveaxis(valid, axis, 0)
-            pairs = [max(np.count_nonzero(exist[lag:] & exist[:-lag]), 1) for lag in lags]
+            pairs = [max(int(np.count_nonzero(exist[lag:] & exist[:-lag])), 1) for lag in lags]
             return np.array([float(np.sum(moved[lag:] * moved[:-lag])) / n / variance for lag, n in zip(lags, pairs, strict=True)])
         return np.array([float(np.mean(moved[lag:] * moved[:-lag])) / variance for lag in lags])
 
     lines = [along(axis, 16) for axis in (0, 1, 2)]
     lengths = [_length(line) for line in lines]
     wide = [np.pad(line[2:8], (0, max(6 - line[2:8].size, 0))) for line in lines[1:]]
-    return Tail(
-        counts / max(np.count_nonzero(valid) if gaps else z.size, 1),
-        counts,
-        0.5 * (wide[0] + wide[1]),
-        (lengths[0], lengths[1], lengths[2]),
-    )
+    return Tail(counts / max(number, 1), counts, 0.5 * (wide[0] + wide[1]), (lengths[0], lengths[1], lengths[2]))
 
 
 def _length(line: FloatArray) -> float:

@@ -191,7 +191,7 @@ def _parts(left: FloatArray) -> list[FloatArray]:
 def _examine_with_gaps(some: FloatArray) -> Changes:
     """Measure the slow changes over the pixels that are not NaN; parts with few of them are left out."""
     exist = np.isfinite(some)
-    pixels = exist.any(axis=0)
+    pixels = np.asarray(exist.any(axis=0))
     count = int(np.count_nonzero(pixels))
     variance = float(some[exist].var()) if count else 0.0
     if not variance > 0.0:
