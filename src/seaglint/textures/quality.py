@@ -273,7 +273,7 @@ def _side(x: NDArray[np.floating]) -> int:
     gaps = np.isnan(few)
 
     def squares(side: int) -> int:
-        frames, rows, columns = len(few), x.shape[1] // side, x.shape[2] // side
+        frames, rows, columns = len(few), int(x.shape[1]) // side, int(x.shape[2]) // side
         if not gaps.any():
             return frames * rows * columns
         cells = gaps[:, : rows * side, : columns * side].reshape(frames, rows, side, columns, side)
@@ -284,7 +284,7 @@ def _side(x: NDArray[np.floating]) -> int:
 
 def _few(x: NDArray[np.floating]) -> NDArray[np.floating]:
     """Return at most ``FRAMES`` frames, evenly spread."""
-    return x[np.unique(np.linspace(0, len(x) - 1, min(len(x), FRAMES)).astype(int))]
+    return np.asarray(x[np.unique(np.linspace(0, len(x) - 1, min(len(x), FRAMES)).astype(int))])
 
 
 def _some(x: NDArray[np.floating]) -> FloatArray:
