@@ -1,8 +1,8 @@
 """Search for what is no sea in a picture or sequence: lines and pixels of the sensor that are dead, dark corners and borders, objects.
 
-A texture or a statistic of the sea shall not contain them, and shall contain all of the sea's own extremes. An object is therefore no pixel
-above a threshold. The peaks of a picture, averaged over squares of 1 to 9 pixels, follow a generalised Pareto law above a high level, and the
-few largest ones are objects if a gap separates them from the others that this law does not leave: long tails of glints leave none.
+A texture or a statistic of the sea shall not contain them, and shall contain all extremes of the sea. A threshold cannot separate the two.
+The peaks of a picture, averaged over squares of 1 to 9 pixels, follow a generalised Pareto law above a high level. The few largest ones are
+objects if the gap between them and the others has a small probability under this law; long tails of glints have no such gap.
 """
 
 from __future__ import annotations
@@ -366,7 +366,7 @@ def _objects(mean: FloatArray, ok: BoolArray) -> BoolArray:
             number = _standing_out(peaks[order])
             for place in places[order[:number]]:
                 out |= _grown(height, sign * left, (int(place[0]), int(place[1])), float(peaks[order[number]]))
-    return np.asarray(binary_dilation(out, np.ones((3, 3)), iterations=MARGIN)) if out.any() else out
+    return np.asarray(binary_dilation(out, np.ones((3, 3), np.bool_), iterations=MARGIN)) if out.any() else out
 
 
 def _grown(height: FloatArray, left: FloatArray, place: tuple[int, int], next_peak: float) -> BoolArray:

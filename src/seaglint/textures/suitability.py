@@ -94,6 +94,35 @@ def parse_region(text: str, rows: int, columns: int) -> PixelRegion:
     return PixelRegion(top, bottom, left, right)
 
 
+def whole_region(frames: NDArray[np.floating]) -> PixelRegion | None:
+    """Return the largest rectangle without a pixel that is NaN in any frame; None if there is none.
+
+    Examples
+    --------
+    >>> image = np.zeros((1, 4, 5))
+    >>> image[0, 1, 1] = np.nan
+    >>> str(whole_region(image))
+    '0:4,2:5'
+    """
+    clear = np.isfinite(frames).all(axis=0)
+    if clear.all():
+        return PixelRegion(0, clear.shape[0], 0, clear.shape[1])
+    best: PixelRegion | None = None
+    heights = np.zeros(clear.shape[1] + 1, np.int64)
+    for row, line in enumerate(clear):
+        heights[:-1] = np.where(line, heights[:-1] + 1, 0)
+        # Columns of rising heights; a lower one closes the rectangles that end before it.
+        rising: list[tuple[int, int]] = []
+        for column, height in enumerate(heights.tolist()):
+            first = column
+            while rising and rising[-1][1] >= height:
+                first, tall = rising.pop()
+                if tall and (best is None or tall * (column - first) > best.pixels):
+                    best = PixelRegion(row + 1 - tall, row + 1, first, column)
+            rising.append((first, height))
+    return best
+
+
 def require_values(frames: ArrayLike, *, two: bool = False) -> None:
     """Refuse pictures to which no texture can be fitted.
 
