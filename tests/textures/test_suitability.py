@@ -25,9 +25,15 @@ from seaglint.textures.synthesis import latent
 NOISE = np.random.default_rng(3).normal(size=(1, 96, 96)).astype(np.float32)
 
 
-def with_hole() -> np.ndarray:
+def infinite() -> np.ndarray:
     image = NOISE.copy()
-    image[0, 5, 7] = np.nan
+    image[0, 5, 7] = np.inf
+    return image
+
+
+def missing(rows: int) -> np.ndarray:
+    image = NOISE.copy()
+    image[0, :rows] = np.nan
     return image
 
 
@@ -35,7 +41,9 @@ def with_hole() -> np.ndarray:
     ("image", "told"),
     [
         (NOISE[:, :20], "20 x 96 pixels are too few"),
-        (with_hole(), "1 values are missing .* row 5, column 7"),
+        (infinite(), "values are infinite .* row 5, column 7"),
+        (missing(96), "all pixels of the region are masked or missing"),
+        (missing(60), "62 % of the region is masked or missing"),
         (np.full((1, 40, 40), 3.0), "all values are 3"),
         ((NOISE > 0.0).astype(np.float32), "two values only, 0 and 1"),
     ],

@@ -79,6 +79,8 @@ def fit(
     region: str | None = None,
     any_region: bool = False,
     detrend: bool = False,
+    mask: str | Path | None = None,
+    keep_defects: bool = False,
     product: bool | None = None,
     order: int = 2,
     isotropic: bool = False,
@@ -132,7 +134,8 @@ def fit(
     if model == "autobinomial" and tails != "gaussian":
         raise DataError(f"tails = {tails}: an autobinomial texture has the histogram of its picture; leave tails out")
     opened = recording_of(recording, request_of(ReadingRequest, locals(), missing=tuple(missing)))
-    result = FittedTexture(fitted(opened, request_of(FitRequest, locals())))
+    left_out = None if mask is None else path_of(mask, "mask")
+    result = FittedTexture(fitted(opened, request_of(FitRequest, locals(), mask=left_out)))
     if output is not None:
         result.save(output, overwrite=overwrite)
     return result
@@ -196,6 +199,8 @@ def compare(
     second: Images | FittedTexture,
     *,
     regions: Sequence[str] = (),
+    detrend: bool = False,
+    keep_defects: bool = False,
     frame_rate: float | None = None,
     units: str | None = None,
     variable: str | None = None,
@@ -239,14 +244,14 @@ def compare(
     reading = request_of(ReadingRequest, locals(), missing=tuple(missing))
     judged = second.stored if isinstance(second, FittedTexture) else second
     request = request_of(CompareRequest, locals(), regions=tuple(regions), overwrite=False)
-    comparison, one, other, likelihood = compare_textures(first, judged, lambda given: recording_of(given, reading), request)
+    comparison, one, other, likelihood, notes = compare_textures(first, judged, lambda given: recording_of(given, reading), request)
 
     def draw() -> Figure:
         from seaglint.plot.texture_report import draw_pictures
 
         return draw_pictures(comparison, one, other)
 
-    values = {**comparison.as_dict(), "likelihood": None if likelihood is None else asdict(likelihood)}
+    values = {**comparison.as_dict(), "likelihood": None if likelihood is None else asdict(likelihood), "notes": list(notes)}
     return ResultRecord(values, draw=draw, title="comparison of textures")
 
 

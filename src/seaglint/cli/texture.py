@@ -30,8 +30,8 @@ Reading = Annotated[ReadingRequest, Without(("saturation",))]
 
 @texture.command()
 @takes_records(
-    order="recording output model tails region any_region detrend product order isotropic levels method keep_histogram report as_json "
-    "frame_rate units variable channel axes missing raw"
+    order="recording output model tails region any_region detrend mask keep_defects product order isotropic levels method "
+    "keep_histogram report as_json frame_rate units variable channel axes missing raw"
 )
 def fit(
     recording: Input,
@@ -126,16 +126,16 @@ def compare(
         log_notes(path, recording)
         return recording
 
-    comparison, one, other, likelihood = compare_textures(first, second, opened, request)
+    comparison, one, other, likelihood, notes = compare_textures(first, second, opened, request)
     if report is not None:
         from seaglint.plot.texture_report import write_comparison
 
-        write_comparison(comparison, one, other, report, overwrite=request.overwrite)
+        write_comparison(comparison, one, other, report, about=notes, overwrite=request.overwrite)
         log(f"{report} written")
     if as_json:
-        print_json({**comparison.as_dict(), "likelihood": None if likelihood is None else asdict(likelihood)})
+        print_json({**comparison.as_dict(), "likelihood": None if likelihood is None else asdict(likelihood), "notes": list(notes)})
     else:
-        print_lines(comparison_lines(comparison.distances, likelihood))
+        print_lines(comparison_lines(comparison.distances, likelihood) + [f"note: {note}" for note in notes])
 
 
 @texture.command()
@@ -177,7 +177,8 @@ def fit_lines(result: Fitted) -> list[str]:
         out.append(f"held-out pseudo-likelihood: none ({held_out.reason})")
     else:
         value, alone = held_out.log_pseudo_likelihood, held_out.independent_pixels
-        out.append(f"held-out log pseudo-likelihood per pixel {value:.4g} (independent pixels {alone:.4g})")
+        gain = "" if held_out.gain is None else f"; {held_out.gain:+.4g} nat by the neighbours"
+        out.append(f"held-out log pseudo-likelihood per pixel {value:.4g} (independent pixels {alone:.4g}{gain})")
     out += comparison_lines(result.comparison.distances)
     for entry in () if result.gaussian is None else result.gaussian.distances.filtered_rates:
         out.append(f"  the Gaussian field, {entry.threshold_sigma:g} sigma: {_times(entry.second_over_first)} the data's rate")
@@ -226,8 +227,11 @@ def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | N
     )
     features = ", ".join(f"{name} {pair.first:.3g} / {pair.second:.3g}" for name, pair in distances.cooccurrence.items())
     out.append(f"  co-occurrence: {features}")
-    if likelihood is not None:
-        out.append(f"  log pseudo-likelihood per pixel of the data: {likelihood.log_pseudo_likelihood:.4g}")
+    if likelihood is not None and likelihood.log_pseudo_likelihood is None:
+        out.append(f"  log pseudo-likelihood per pixel of the data: none ({likelihood.reason})")
+    elif likelihood is not None:
+        gain = "" if likelihood.gain is None else f" ({likelihood.gain:+.4g} nat by the neighbours)"
+        out.append(f"  log pseudo-likelihood per pixel of the data: {likelihood.log_pseudo_likelihood:.4g}{gain}")
     out += [f"  fails: {sentence}" for sentence in distances.fails] or ["  all differences are within their limits"]
     return out
 

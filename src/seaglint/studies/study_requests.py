@@ -445,6 +445,10 @@ class FitRequest:
     region: Annotated[str | None, Parameter("part of the picture in pixels, e.g. 120:248,64:192", metavar="ROWS,COLUMNS")] = None
     any_region: Annotated[bool, Parameter("fit also where the picture is not stationary")] = False
     detrend: Annotated[bool, Parameter("take slow changes of mean and contrast off first")] = False
+    mask: Annotated[Path | None, Parameter("leave out pixels where an image or .npy of the picture's size is not 0", metavar="FILE")] = None
+    keep_defects: Annotated[bool, Parameter("count all pixels, also dead lines, dark corners, objects and pixels that never change")] = (
+        False
+    )
     product: Annotated[
         bool | None,
         Parameter(
@@ -484,6 +488,10 @@ class CompareRequest:
             python="Part of the first, and of the second.",
         ),
     ] = ()
+    detrend: Annotated[bool, Parameter("take slow changes of mean and contrast off both")] = False
+    keep_defects: Annotated[bool, Parameter("count all pixels, also dead lines, dark corners, objects and pixels that never change")] = (
+        False
+    )
     seed: Seed = 0
     overwrite: Overwrite = False
 

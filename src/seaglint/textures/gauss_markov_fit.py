@@ -42,6 +42,7 @@ class Covariances:
     mean: float  #: Mean of the field [u].
     shape: Offset  #: Shape of the field: rows, columns [px].
     periodic: bool  #: Whether the field is a torus.
+    valid: int | None = None  #: Number of pixels with a value; all of the field by default.
 
     @property
     def reach(self) -> Offset:
@@ -51,8 +52,8 @@ class Covariances:
 
     @property
     def pixels(self) -> int:
-        """Number of pixels of the field."""
-        return math.prod(self.shape)
+        """Number of pixels of the field that have a value."""
+        return math.prod(self.shape) if self.valid is None else self.valid
 
     def at(self, offset: Offset) -> float:
         """Covariance at a distance [u²]."""
@@ -69,7 +70,7 @@ class Covariances:
         spectrum = np.fft.fftn(np.fft.ifftshift(out)).real
         # A field has a positive spectrum; a millionth of the largest value bounds the precisions.
         spectrum = np.maximum(spectrum, 1e-6 * spectrum.max())
-        return Covariances(np.fft.fftshift(np.fft.ifftn(spectrum).real), self.mean, self.shape, self.periodic)
+        return Covariances(np.fft.fftshift(np.fft.ifftn(spectrum).real), self.mean, self.shape, self.periodic, self.valid)
 
 
 def covariances(field: ArrayLike, reach: Sequence[int], *, periodic: bool = False, mean: float | None = None) -> Covariances:
@@ -78,37 +79,51 @@ def covariances(field: ArrayLike, reach: Sequence[int], *, periodic: bool = Fals
     Parameters
     ----------
     field : array_like, shape (rows, columns) or (frames, rows, columns)
-        [u].
+        [u]; NaN where a pixel does not count.
     reach : (int, int, int)
         Largest distance in frames, rows, columns.
     periodic : bool
-        Whether the field is a torus. Else each distance's products are averaged over the pairs inside.
+        Whether the field is a torus. Else each distance's products are averaged over the pairs inside of which both have a value.
     mean : float, optional
         The field's where it is known [u]; its arithmetic one by default.
 
     Raises
     ------
     DataError
-        Values that are missing, or a field smaller than the reach.
+        Infinite values, missing ones on a torus, a field smaller than the reach, or a distance without pairs.
     """
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     x = np.array(field, np.float64, ndmin=3)
-    if not np.isfinite(x).all():
+    valid = np.isfinite(x)
+    gaps = not valid.all()
+    if gaps and (periodic or not valid.any() or np.isinf(x).any()):
         raise DataError("the field has values that are missing or infinite; choose a region without them")
     if any(n <= 2 * r for n, r in zip(x.shape, reach, strict=True)):
         raise DataError(f"a field of {' x '.join(map(str, x.shape))} is too small for distances up to {' x '.join(map(str, reach))}")
-    level = float(x.mean()) if mean is None else mean
+    level = float(x[valid].mean() if gaps else x.mean()) if mean is None else mean
     x -= level
+    if gaps:
+        x[~valid] = 0.0
     size = x.shape if periodic else tuple(next_fast_len(n + r, real=True) for n, r in zip(x.shape, reach, strict=True))
     power = rfftn(x, s=size)
     sums = irfftn((power * power.conj()).real, s=size)
     lags = [np.arange(-r, r + 1) for r in reach]
     pairs = math.prod(x.shape) * np.ones(1)
-    if not periodic:
+    if gaps:
+        # The transform of the mask counts the pairs of which both pixels have a value.
+        power = rfftn(valid.astype(np.float64), s=size)
+        pairs = np.rint(irfftn((power * power.conj()).real, s=size)[np.ix_(*lags)])
+        if not pairs.min() > 0.0:
+            raise DataError(
+                f"{np.count_nonzero(valid)} of {x.size} pixels have a value, and none of them are some distances up to "
+                f"{' x '.join(map(str, reach))} apart; choose a region with fewer gaps"
+            )
+    elif not periodic:
         inside = [n - np.abs(lag) for n, lag in zip(x.shape, lags, strict=True)]
         pairs = inside[0][:, None, None] * inside[1][:, None] * inside[2]
-    return Covariances(sums[np.ix_(*lags)] / pairs, level, (x.shape[0], x.shape[1], x.shape[2]), periodic)
+    count = int(np.count_nonzero(valid)) if gaps else None
+    return Covariances(sums[np.ix_(*lags)] / pairs, level, (x.shape[0], x.shape[1], x.shape[2]), periodic, count)
 
 
 @dataclass(frozen=True)

@@ -246,7 +246,7 @@ def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
     Parameters
     ----------
     values : array_like
-        Pixels [u], of any correlation.
+        Pixels [u], of any correlation; NaN are left out.
     tails : str
         One of ``TAILS``.
 
@@ -258,7 +258,7 @@ def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
     Raises
     ------
     DataError
-        Values that are all equal.
+        Values that are all equal, or none.
     DomainError
         An unknown kind.
     """
@@ -266,7 +266,8 @@ def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
     from scipy.optimize import minimize_scalar
 
     x = np.asarray(values, np.float64).ravel()
-    mean, std = float(x.mean()), float(x.std())
+    x = x[np.isfinite(x)]
+    mean, std = (float(x.mean()), float(x.std())) if x.size else (0.0, 0.0)
     if not std > 0.0:
         raise DataError("all values are equal: there is no distribution to fit; choose another region")
     if tails == "gaussian":

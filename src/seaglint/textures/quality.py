@@ -244,7 +244,7 @@ def compare(
     Parameters
     ----------
     first, second : ndarray, shape (frames, rows, columns)
-        [u]; sizes may differ.
+        [u]; sizes may differ. Pixels that are NaN do not count.
     names : (str, str)
         For reports.
     consecutive : bool
@@ -253,43 +253,78 @@ def compare(
     Raises
     ------
     DataError
-        Missing values, or pictures smaller than 24 x 24 pixels.
+        Infinite values, no values, or pictures smaller than 24 x 24 pixels.
     """
     for name, x in zip(names, (first, second), strict=True):
         if x.ndim != 3 or min(x.shape[1:]) < 2 * LAGS:
             raise DataError(f"{name}: {x.shape} is too small to be compared; give 24 x 24 pixels or more")
-        if not np.isfinite(x).all():
-            raise DataError(f"{name}: values are missing or infinite; choose a region without them")
-    side = min(_side(first.shape), _side(second.shape))
+        if np.isinf(x).any() or np.isnan(x).all():
+            raise DataError(f"{name}: all values are missing, or some are infinite; choose a region without them")
+    side = min(_side(first), _side(second))
     ends = np.quantile(np.concatenate([_some(first), _some(second)]), [0.001, 0.999])
     # Fewer frames give no correlation in time.
     frames = min(len(first), len(second)) if consecutive and min(len(first), len(second)) >= 8 else 0
     return Comparison(*(_measure(name, x, side, ends, frames) for name, x in zip(names, (first, second), strict=True)))
 
 
-def _side(shape: tuple[int, ...]) -> int:
-    """Side of the squares of a spectrum that allows a sufficient average [px]."""
-    frames, rows, columns = min(shape[0], FRAMES), *shape[1:]
-    return next((side for side in SQUARES if frames * (rows // side) * (columns // side) >= FEWEST), SQUARES[-1])
+def _side(x: NDArray[np.floating]) -> int:
+    """Side of the squares of a spectrum that allows a sufficient average [px]; squares with a pixel that is NaN do not count."""
+    few = _few(x)
+    gaps = np.isnan(few)
+
+    def squares(side: int) -> int:
+        frames, rows, columns = len(few), int(x.shape[1]) // side, int(x.shape[2]) // side
+        if not gaps.any():
+            return frames * rows * columns
+        cells = gaps[:, : rows * side, : columns * side].reshape(frames, rows, side, columns, side)
+        return int(np.count_nonzero(~cells.any(axis=(2, 4))))
+
+    return next((side for side in SQUARES if squares(side) >= FEWEST), SQUARES[-1])
+
+
+def _few(x: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Return at most ``FRAMES`` frames, evenly spread."""
+    return np.asarray(x[np.unique(np.linspace(0, len(x) - 1, min(len(x), FRAMES)).astype(int))])
 
 
 def _some(x: NDArray[np.floating]) -> FloatArray:
-    return np.asarray(x.reshape(-1)[:: max(x.size // 200_000, 1)], np.float64)
+    """Return at most some 200 000 of the values."""
+    flat = x.reshape(-1)
+    if np.isnan(flat).any():
+        flat = flat[~np.isnan(flat)]
+    return np.asarray(flat[:: max(flat.size // 200_000, 1)], np.float64)
+
+
+def _filled(frames: FloatArray, side: int) -> FloatArray:
+    """Return frames in which small gaps have the mean of the values around them, where few squares of a side are without a gap."""
+    from scipy.ndimage import uniform_filter
+
+    exist = np.isfinite(frames)
+    if power_spectrum(frames, size=side).segments >= FEWEST or exist.all():
+        return frames
+    for reach in (3, 5, 9):
+        weight = uniform_filter(exist.astype(np.float64), (1, reach, reach), mode="constant")
+        near = uniform_filter(np.where(exist, frames, 0.0), (1, reach, reach), mode="constant") / np.maximum(weight, 1e-12)
+        # A pixel with few values around it belongs to a large gap, and its square is left out.
+        frames = np.where(np.isnan(frames) & (weight > 0.3), near, frames)
+    return frames if power_spectrum(frames, size=side).segments else np.nan_to_num(frames)
 
 
 def _measure(name: str, x: NDArray[np.floating], side: int, ends: FloatArray, frames: int) -> Likeness:
     alarms = FalseAlarms(THRESHOLDS)
     for frame in x:
         alarms.add(interior(frame[None]))
-    std = max(float(x.std()), 1e-300)
-    few = x[np.unique(np.linspace(0, len(x) - 1, min(len(x), FRAMES)).astype(int))]
+    gaps = bool(np.isnan(x).any())
+    std = max(float(np.nanstd(x) if gaps else x.std()), 1e-300)
+    few = _few(x)
     near = spatial_correlation(few, longest=LAGS)
     time = None
     if frames:
         # About 4000 pixels of a frame are enough for the correlation in time.
         step = max(int(math.sqrt(x[0].size / 4000.0)), 1)
         time = temporal_correlation(x[:frames, ::step, ::step].reshape(frames, -1), longest=min(TIMES, frames // 2)).rho
-    spectrum = power_spectrum((few - few.mean()) / std, size=side)
+    normal = (few - (np.nanmean(few) if gaps else few.mean())) / std
+    spectrum = power_spectrum(_filled(np.asarray(normal, np.float64), side) if gaps else normal, size=side)
     features = cooccurrence(few, (float(ends[0]), float(ends[1])))
     return Likeness(name, np.sort(_some(x)), tuple(alarms.rates()), alarms.curve(), spectrum, near.x, near.y, time, features)
 
@@ -300,7 +335,7 @@ def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels
     Parameters
     ----------
     frames : ndarray, shape (frames, rows, columns)
-        [u].
+        [u]; pairs with a NaN do not count.
     ends : (float, float)
         Values of the first and last level [u].
     levels : int
@@ -317,16 +352,25 @@ def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels
     >>> round(features["contrast"], 3), round(features["homogeneity"], 3)
     (0.5, 0.75)
     """
-    grey = np.clip((frames - ends[0]) / max(ends[1] - ends[0], 1e-300) * levels, 0, levels - 1).astype(np.int64)
+    grey = np.clip((frames - ends[0]) / max(ends[1] - ends[0], 1e-300) * levels, 0, levels - 1)
+    exist = np.isfinite(grey)
+    gaps = not exist.all()
+    grey = np.where(exist, grey, 0.0).astype(np.int64) if gaps else grey.astype(np.int64)
     i, j = np.indices((levels, levels))
     out: dict[str, list[float]] = {name: [] for name in ("contrast", "homogeneity", "energy", "entropy", "correlation")}
     rows, columns = grey.shape[1:]
     for down, right in PAIRS:
         first = grey[:, : rows - down, max(-right, 0) : columns - max(right, 0)]
         second = grey[:, down:, max(right, 0) : columns + min(right, 0)]
-        table = np.bincount((first * levels + second).ravel(), minlength=levels * levels).reshape(levels, levels).astype(np.float64)
+        pairs = (first * levels + second).ravel()
+        if gaps:
+            both = (
+                exist[:, : rows - down, max(-right, 0) : columns - max(right, 0)] & exist[:, down:, max(right, 0) : columns + min(right, 0)]
+            )
+            pairs = pairs[both.ravel()]
+        table = np.bincount(pairs, minlength=levels * levels).reshape(levels, levels).astype(np.float64)
         # Symmetric: each pair counts in both orders.
-        p = (table + table.T) / (2.0 * table.sum())
+        p = (table + table.T) / max(2.0 * table.sum(), 1.0)
         mean = float((p * i).sum())
         variance = max(float((p * (i - mean) ** 2).sum()), 1e-300)
         out["contrast"].append(float((p * (i - j) ** 2).sum()))

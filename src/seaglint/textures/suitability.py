@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import spatial_correlation, trend_surface
 
@@ -30,6 +31,10 @@ REFUSED: Final = (0.5, 2.0)
 TERMS: Final = 14  #: Number of coefficients without the constant of the surface for the slow change, of degree 4.
 
 PARTS: Final = 3  #: Number of rows and columns of parts whose standard deviations are compared.
+
+FULL_PART: Final = 0.5  #: Least share of the pixels of a part that have a value.
+
+MOST_MISSING: Final = 0.5  #: Largest share of a region's values that may be missing or masked.
 
 SAMPLED: Final = 64  #: Number of rows and columns in which slow changes are measured, evenly spread over the region.
 
@@ -89,20 +94,49 @@ def parse_region(text: str, rows: int, columns: int) -> PixelRegion:
     return PixelRegion(top, bottom, left, right)
 
 
+def whole_region(frames: NDArray[np.floating]) -> PixelRegion | None:
+    """Return the largest rectangle without a pixel that is NaN in any frame; None if there is none.
+
+    Examples
+    --------
+    >>> image = np.zeros((1, 4, 5))
+    >>> image[0, 1, 1] = np.nan
+    >>> str(whole_region(image))
+    '0:4,2:5'
+    """
+    clear = np.isfinite(frames).all(axis=0)
+    if clear.all():
+        return PixelRegion(0, clear.shape[0], 0, clear.shape[1])
+    best: PixelRegion | None = None
+    heights = np.zeros(clear.shape[1] + 1, np.int64)
+    for row, line in enumerate(clear):
+        heights[:-1] = np.where(line, heights[:-1] + 1, 0)
+        # Columns of rising heights; a lower one closes the rectangles that end before it.
+        rising: list[tuple[int, int]] = []
+        for column, height in enumerate(heights.tolist()):
+            first = column
+            while rising and rising[-1][1] >= height:
+                first, tall = rising.pop()
+                if tall and (best is None or tall * (column - first) > best.pixels):
+                    best = PixelRegion(row + 1 - tall, row + 1, first, column)
+            rising.append((first, height))
+    return best
+
+
 def require_values(frames: ArrayLike, *, two: bool = False) -> None:
     """Refuse pictures to which no texture can be fitted.
 
     Parameters
     ----------
     frames : array_like, shape (frames, rows, columns)
-        Frames of the region [u].
+        Frames of the region [u]; NaN where a pixel does not count.
     two : bool
         Whether two values are enough: for an autobinomial field of two levels.
 
     Raises
     ------
     DataError
-        Too small, missing values, all values equal, or only two of them.
+        Too small, infinite values, more than half of them missing, all values equal, or only two of them.
     """
     x = np.asarray(frames)
     rows, columns = x.shape[-2:]
@@ -110,15 +144,20 @@ def require_values(frames: ArrayLike, *, two: bool = False) -> None:
         raise DataError(
             f"{rows} x {columns} pixels are too few for a texture; choose a region of {SMALLEST_SIDE} x {SMALLEST_SIDE} or more"
         )
-    missing = int(x.size - np.count_nonzero(np.isfinite(x)))
-    if missing:
-        where = np.argwhere(~np.isfinite(x).all(axis=tuple(range(x.ndim - 2))))[0]
+    missing = int(np.count_nonzero(np.isnan(x)))
+    if missing == x.size:
+        raise DataError("all pixels of the region are masked or missing: there is no texture to fit; choose another region or mask")
+    if missing > MOST_MISSING * x.size:
         raise DataError(
-            f"{missing} values are missing or infinite (the first in row {where[0]}, column {where[1]} of the region); "
-            "choose a region without them"
+            f"{100.0 * missing / x.size:.0f} % of the region is masked or missing, and a texture needs half of it; choose another region "
+            "or mask"
         )
+    if np.isinf(x).any():
+        where = np.argwhere(np.isinf(x).any(axis=tuple(range(x.ndim - 2))))[0]
+        raise DataError(f"values are infinite (the first in row {where[0]}, column {where[1]} of the region); mask them")
     # One frame suffices for a large recording, whose sorting would take seconds.
-    few = np.unique(x[:1] if x.size > 10_000_000 else x)[:3]
+    few = np.unique(x[:1] if x.size > 10_000_000 else x)
+    few = few[~np.isnan(few)][:3]
     if few.size == 1:
         raise DataError(f"all values are {few[0]:g}: there is no texture to fit; choose another region")
     if few.size == 2 and not two:
@@ -158,6 +197,8 @@ def examine(frames: NDArray[np.floating]) -> Changes:
     some = np.asarray(frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).astype(int))], np.float64)
     # Slow changes need no more than some evenly spread rows and columns.
     some = some[:, :: max(some.shape[1] // SAMPLED, 1), :: max(some.shape[2] // SAMPLED, 1)]
+    if np.isnan(some).any():
+        return _examine_with_gaps(some)
     variance = float(some.var())
     if not variance > 0.0:
         return Changes(0.0, 1.0)
@@ -167,13 +208,44 @@ def examine(frames: NDArray[np.floating]) -> Changes:
     area = float(np.nan_to_num(max(near.scale_x, 1.0) * max(near.scale_y, 1.0), nan=np.inf))
     left = some - surface
     share = float(surface.var()) / variance - min(TERMS * BY_CHANCE[0] * area / surface.size, MOST_BY_CHANCE[0])
-    parts = [part for rows in np.array_split(left, PARTS, axis=1) for part in np.array_split(rows, PARTS, axis=2)]
-    deviations = [float(part.std()) for part in parts]
+    deviations = [float(part.std()) for part in _parts(left)]
+    kurtosis = float((left**4).mean()) / float((left**2).mean()) ** 2
+    return _changes(share, deviations, kurtosis, area / surface.size)
+
+
+def _parts(left: FloatArray) -> list[FloatArray]:
+    return [part for rows in np.array_split(left, PARTS, axis=1) for part in np.array_split(rows, PARTS, axis=2)]
+
+
+def _examine_with_gaps(some: FloatArray) -> Changes:
+    """Measure the slow changes over the pixels that are not NaN; parts with few of them are left out."""
+    exist = np.isfinite(some)
+    pixels = np.asarray(exist.any(axis=0))
+    count = int(np.count_nonzero(pixels))
+    variance = float(some[exist].var()) if count else 0.0
+    if not variance > 0.0:
+        return Changes(0.0, 1.0)
+    mean = np.where(exist, some, 0.0).sum(axis=0) / np.maximum(exist.sum(axis=0), 1)
+    surface = trend_surface(mean, pixels)
+    near = spatial_correlation(some, mean=surface)
+    area = float(np.nan_to_num(max(near.scale_x, 1.0) * max(near.scale_y, 1.0), nan=np.inf))
+    left = some - surface
+    share = float(surface[pixels].var()) / variance - min(TERMS * BY_CHANCE[0] * area / count, MOST_BY_CHANCE[0])
+    # A part of which half is missing has a standard deviation by chance.
+    whole = [part[np.isfinite(part)] for part in _parts(left) if np.isfinite(part).mean() >= FULL_PART]
+    rest = left[exist]
+    kurtosis = float((rest**4).mean()) / float((rest**2).mean()) ** 2
+    return _changes(share, [float(part.std()) for part in whole], kurtosis, area / count)
+
+
+def _changes(share: float, deviations: list[float], kurtosis: float, part: float) -> Changes:
+    """Return changes from the share of the surface, the parts' deviations, and the share of the pixels of one independent value."""
+    if not deviations:
+        return Changes(max(share, 0.0), 1.0)
     if not min(deviations) > 0.0:
         return Changes(max(share, 0.0), math.inf)
     # The scatter of a standard deviation follows from the kurtosis and the number of independent values of a part.
-    kurtosis = float((left**4).mean()) / float((left**2).mean()) ** 2
-    scatter = math.sqrt(max(kurtosis - 1.0, 0.0) * PARTS**2 * area / (4.0 * surface.size))
+    scatter = math.sqrt(max(kurtosis - 1.0, 0.0) * PARTS**2 * part / 4.0)
     return Changes(max(share, 0.0), max(max(deviations) / min(deviations) / min(math.exp(BY_CHANCE[1] * scatter), MOST_BY_CHANCE[1]), 1.0))
 
 

@@ -6,14 +6,14 @@ import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
 from seaglint.base.conventions import Progress
-from seaglint.base.errors import DataError
+from seaglint.base.errors import DataError, DomainError
 from seaglint.base.free_form import JsonObject
 from seaglint.base.schema import VARIABLES
 from seaglint.base.threads import single_threaded_algebra
@@ -24,14 +24,16 @@ from seaglint.store.provenance import provenance
 from seaglint.store.sequence_store import check_output, write_sequence
 from seaglint.store.texture_file import StoredTexture, read_texture
 from seaglint.studies.study_requests import CompareRequest, FitRequest, SampleRequest
+from seaglint.studies.texture.counted_pixels import counted_pixels, like
 from seaglint.textures import gauss_markov_fit as estimation
 from seaglint.textures.autobinomial_texture import AutobinomialTexture
 from seaglint.textures.autobinomial_texture import fit_texture as fit_autobinomial
 from seaglint.textures.gauss_markov import GaussMarkov
 from seaglint.textures.gaussian_texture import GaussianTexture, fit_texture
 from seaglint.textures.marginals import Tails, fit_marginal
+from seaglint.textures.prediction import predict
 from seaglint.textures.quality import Comparison, compare
-from seaglint.textures.suitability import PixelRegion, parse_region, require_stationary, require_values
+from seaglint.textures.suitability import SMALLEST_SIDE, PixelRegion, parse_region, require_stationary, require_values, whole_region
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,6 +59,9 @@ class HeldOut:
     log_pseudo_likelihood: float | None  #: Logarithm of the fit's pseudo-likelihood per pixel of the half that the fit has not seen.
     independent_pixels: float | None  #: The same of independent pixels.
     reason: str | None = None  #: Reason of missing numbers.
+    gain: float | None = None  #: Log pseudo-likelihood less that of independent pixels of the fitted distribution [nat per pixel].
+    outside: float | None = None  #: Share of the other half's pixels that the fitted distribution excludes [1].
+    step: float | None = None  #: Step of whole-numbered data, whose probability is evaluated [u]; None for continuous ones.
 
     @property
     def note(self) -> str | None:
@@ -68,7 +73,7 @@ class HeldOut:
         True
         """
         value, alone = self.log_pseudo_likelihood, self.independent_pixels
-        if value is None or alone is None or value > alone:
+        if value is None or alone is None or (value > alone if self.gain is None else self.gain > 0.0):
             return None
         return (
             "neighbours predict nothing of the half of the data that the fit has not seen (log pseudo-likelihood no larger than that of "
@@ -80,9 +85,12 @@ class HeldOut:
 class DataLikelihood:
     """Logarithm of the pseudo-likelihood per pixel of data under a model, with the model's file and the number of pixels."""
 
-    log_pseudo_likelihood: float
+    log_pseudo_likelihood: float | None  #: [nat, of values in u]; None with a reason.
     model: str
     pixels: int
+    gain: float | None = None  #: The same less that of independent pixels of the model's distribution [nat].
+    outside: float | None = None  #: Share of the pixels that the model's distribution excludes [1].
+    reason: str | None = None  #: Reason of a missing number.
 
 
 @dataclass(frozen=True)
@@ -108,9 +116,11 @@ def frames_of(recording: Recording, region: PixelRegion, most: int = MOST_VALUES
 
 
 def detrended(frames: Frames) -> Frames:
-    """Return frames without slow changes of mean and contrast: both have their average everywhere."""
+    """Return frames without slow changes of mean and contrast: both have their average everywhere; NaN stay NaN."""
     from scipy.ndimage import uniform_filter
 
+    if np.isnan(frames).any():
+        return _detrended_with_gaps(frames)
     trend = trend_surface(frames.mean(axis=0, dtype=np.float64))
     # One trend for all frames, so that changes in time remain.
     remainder = frames - trend
@@ -119,6 +129,28 @@ def detrended(frames: Frames) -> Frames:
     local = uniform_filter(power, size=[max(n // AVERAGED, 1) for n in power.shape])
     flat = remainder / np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * power.mean())), degree=2))
     return np.asarray(trend.mean() + math.sqrt(float(power.mean())) * flat / flat.std(), np.float32)
+
+
+def _detrended_with_gaps(frames: Frames) -> Frames:
+    """Return ``detrended`` of the pixels that are not NaN."""
+    from scipy.ndimage import uniform_filter
+
+    exist = np.isfinite(frames)
+    count = exist.sum(axis=0)
+    pixels = count > 0
+
+    def mean_in_time(values: NDArray[np.floating]) -> NDArray[np.float64]:
+        return np.asarray(np.where(exist, values, 0.0).sum(axis=0, dtype=np.float64) / np.maximum(count, 1))
+
+    trend = trend_surface(mean_in_time(frames), pixels)
+    remainder = frames - trend
+    power = mean_in_time(remainder**2)
+    size = [max(n // AVERAGED, 1) for n in power.shape]
+    # Means over the pixels near by that have a value.
+    local = uniform_filter(power, size=size) / np.maximum(uniform_filter(pixels.astype(np.float64), size=size), 1e-12)
+    average = float(power[pixels].mean())
+    flat = remainder / np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * average)), pixels, degree=2))
+    return np.asarray(float(trend[pixels].mean()) + math.sqrt(average) * flat / float(flat[exist].std()), np.float32)
 
 
 @single_threaded_algebra()
@@ -133,8 +165,12 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
     region = parse_region(options.region or ":,:", recording.rows, recording.columns)
     data = frames_of(recording, region)
     # Two grey levels are enough for an autobinomial field of two levels.
-    require_values(data, two=options.model == "autobinomial" and options.levels == 2)
-    notes: list[str] = []
+    two = options.model == "autobinomial" and options.levels == 2
+    require_values(np.where(np.isfinite(data), data, np.float32(np.nan)), two=two)
+    counted = counted_pixels(data, recording, region, keep_defects=options.keep_defects, mask=options.mask)
+    data = counted.frames
+    require_values(data, two=two)
+    notes = list(counted.notes)
     if len(data) < recording.frames:
         notes.append(f"fitted to {len(data)} of {recording.frames} frames, from the middle")
     if options.detrend:
@@ -151,12 +187,13 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
         texture, fitted, more_notes = _gauss_markov(data, options)
     notes += more_notes
     sample = sample_like(texture, data, options.seed)
-    comparison = compare(data, sample, ("data", "sample"), consecutive=len(data) >= STILL)
+    comparison = compare(data, like(sample, data), ("data", "sample"), consecutive=len(data) >= STILL)
     plain = _plain(texture, data)
     # A Gaussian sample of the same field shows which statistics its tails and modulation add.
     gaussian = None
     if plain is not None:
-        gaussian = compare(data, sample_like(plain, data, options.seed), ("data", "Gaussian sample"), consecutive=len(data) >= STILL)
+        drawn = like(sample_like(plain, data, options.seed), data)
+        gaussian = compare(data, drawn, ("data", "Gaussian sample"), consecutive=len(data) >= STILL)
     held_out = _held_out(data, options, texture)
     if held_out.note is not None:
         notes.append(held_out.note)
@@ -173,6 +210,11 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
         "frame_rate_hz": recording.frame_rate,
         "seed": options.seed,
     }
+    # A model of the whole picture as it was recorded has neither key.
+    if counted.counts:
+        source["left_out"] = counted.counts
+    if options.detrend:
+        source["detrended"] = True
     return Fitted(StoredTexture(texture, source, fitted, quality, tuple(notes)), data, sample, comparison, gaussian, held_out)
 
 
@@ -192,8 +234,9 @@ def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, J
 
 
 def _autobinomial(data: Frames, options: FitRequest) -> tuple[AutobinomialTexture, JsonObject, tuple[str, ...]]:
+    image, notes = _whole(data[len(data) // 2][None])
     result = fit_autobinomial(
-        data[len(data) // 2],
+        image[0],
         options.levels,
         options.order,
         isotropic=options.isotropic,
@@ -202,7 +245,21 @@ def _autobinomial(data: Frames, options: FitRequest) -> tuple[AutobinomialTextur
         seed=options.seed,
     )
     values = {name: value for name, value in result.found.as_dict().items() if name not in ("model", "notes")}
-    return result.texture, {**values, "asked": result.tried}, result.notes
+    return result.texture, {**values, "asked": result.tried}, (*notes, *result.notes)
+
+
+def _whole(frames: Frames) -> tuple[Frames, tuple[str, ...]]:
+    """Return the largest part of frames without a gap, for fields of grey levels, and a note on it."""
+    if not np.isnan(frames).any():
+        return frames, ()
+    region = whole_region(frames)
+    if region is None or min(region.bottom - region.top, region.right - region.left) < SMALLEST_SIDE:
+        raise DataError(
+            f"an autobinomial field needs {SMALLEST_SIDE} x {SMALLEST_SIDE} pixels without a gap, and pixels that are left out divide the "
+            "picture into smaller parts; choose another region, or fit gauss-markov"
+        )
+    note = f"an autobinomial field has no gaps: rows and columns {region} of the region, the largest part without one, were used"
+    return np.asarray(region.of(frames), np.float32), (note,)
 
 
 def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> GaussianTexture | None:
@@ -235,18 +292,22 @@ def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | Auto
         fitted_half, other_half = data[:, :, :middle], data[:, :, middle:]
     try:
         if isinstance(texture, GaussianTexture):
-            value = _refit(texture, fitted_half, texture.marginal.kind).pseudo_log_likelihood(other_half)
-            mean, variance = fitted_half.mean(), fitted_half.var()
-            independent = float(-0.5 * np.log(2.0 * np.pi * variance) - 0.5 * np.mean((other_half - mean) ** 2) / variance)
-        else:
-            half_fit = _autobinomial(fitted_half, replace(options, method="pseudo-likelihood"))[0]
-            value = half_fit.pseudo_log_likelihood(other_half)
-            # A level that the half does not have would have the logarithm of 0.
-            shares = np.maximum(half_fit.histogram, 0.5 / fitted_half.size)
-            independent = float(np.mean(np.log(shares)[half_fit.grey.to_levels(other_half)]))
+            found = predict(_refit(texture, fitted_half, texture.marginal.kind), other_half)
+            if found.log_pseudo_likelihood is None:
+                return HeldOut(None, None, found.reason, None, found.outside, found.step)
+            known, other = (half if np.isfinite(half).all() else half[np.isfinite(half)] for half in (fitted_half, other_half))
+            mean, variance = known.mean(), known.var()
+            independent = float(-0.5 * np.log(2.0 * np.pi * variance) - 0.5 * np.mean((other - mean) ** 2) / variance)
+            return HeldOut(found.log_pseudo_likelihood, independent, None, found.gain, found.outside, found.step)
+        half_fit = _autobinomial(fitted_half, replace(options, method="pseudo-likelihood"))[0]
+        other_half = _whole(other_half)[0]
+        value = half_fit.pseudo_log_likelihood(other_half)
+        # A level that the half does not have would have the logarithm of 0.
+        shares = np.maximum(half_fit.histogram, 0.5 / fitted_half.size)
+        independent = float(np.mean(np.log(shares)[half_fit.grey.to_levels(other_half)]))
     except (DataError, ValueError) as error:
         return HeldOut(None, None, str(error))
-    return HeldOut(value, independent)
+    return HeldOut(value, independent, None, value - independent)
 
 
 def sample_like(texture: GaussianTexture | AutobinomialTexture, data: Frames, seed: int) -> Frames:
@@ -354,9 +415,17 @@ def _what(stored: StoredTexture) -> str:
     return "a single picture" if frames == 1 else f"{frames} frames, in which time changes nothing"
 
 
-def compare_textures(
-    first: Any, second: Any, opened: Callable[[Any], Recording], request: CompareRequest
-) -> tuple[Comparison, Frames, Frames, DataLikelihood | None]:
+class ComparedTextures(NamedTuple):
+    """Comparison of two textures."""
+
+    comparison: Comparison  #: Measures of both.
+    first: Frames  #: Compared frames of the first [u]; NaN where a pixel does not count.
+    second: Frames  #: Compared frames of the second [u].
+    likelihood: DataLikelihood | None  #: Pseudo-likelihood of the data under the model, where one of the two is one.
+    notes: tuple[str, ...]  #: Sentences on pixels that are left out and slow changes that are taken off.
+
+
+def compare_textures(first: Any, second: Any, opened: Callable[[Any], Recording], request: CompareRequest) -> ComparedTextures:
     """Compare two recordings, or a recording and a model, of which a sample as large as the recording is drawn.
 
     Parameters
@@ -366,20 +435,18 @@ def compare_textures(
     opened : callable
         ``opened(first)`` is the recording.
     request : CompareRequest
-        Regions, and seed of the sample.
+        Regions, treatment of both, and seed of the sample.
 
     Returns
     -------
-    comparison : Comparison
-    first, second : ndarray
-        Compared frames [u].
-    likelihood : DataLikelihood or None
-        Pseudo-likelihood of the data under the model, where one of the two is one.
+    ComparedTextures
+        Both are treated alike: the same search for pixels that are no sea, slow changes taken off both or neither. A sample has the
+        gaps of the data.
 
     Raises
     ------
     DataError
-        Two models, values that are missing, pictures that are too small.
+        Two models, more than half of a picture missing, pictures that are too small.
     """
     given = (first, second)
     models = [isinstance(one, StoredTexture) or (isinstance(one, str | Path) and Path(one).suffix.lower() == ".json") for one in given]
@@ -389,19 +456,30 @@ def compare_textures(
     regions = [*request.regions, "", ""]
     frames: list[Frames | None] = [None, None]
     names = [_name(one) for one in given]
+    notes: list[str] = []
+    # A field of two grey levels has data of two values.
+    textures = [(one if isinstance(one, StoredTexture) else read_texture(one)) if models[i] else None for i, one in enumerate(given)]
+    detrend = request.detrend
+    for i, stored in enumerate(textures):
+        if stored is not None and _was_detrended(stored) and not detrend:
+            detrend = True
+            notes.append(f"slow changes of mean and contrast are taken off both: {names[i]} was fitted to data without them")
+    if request.detrend:
+        notes.append("slow changes of mean and contrast were taken off both")
     for i, one in enumerate(given):
         if not models[i]:
             recording = opened(one)
             names[i] = names[i] or recording.source
-            frames[i] = frames_of(recording, parse_region(regions[i] or ":,:", recording.rows, recording.columns))
+            frames[i], left_out = _compared(recording, regions[i], request, names[i], detrend=detrend)
+            notes += [f"{names[i]}: {note}" for note in left_out]
     likelihood = None
-    for i, one in enumerate(given):
-        if models[i]:
-            stored, data = one if isinstance(one, StoredTexture) else read_texture(one), frames[1 - i]
+    for i, stored in enumerate(textures):
+        if stored is not None:
+            data = frames[1 - i]
             assert data is not None
-            require_values(data)
-            frames[i] = sample_like(stored.texture, data, request.seed)
-            likelihood = DataLikelihood(stored.texture.pseudo_log_likelihood(data), names[i], int(data.size))
+            drawn = like(sample_like(stored.texture, data, request.seed), data)
+            frames[i] = detrended(drawn) if detrend else drawn
+            likelihood = _data_likelihood(stored, data, names[i])
     data, other = frames
     assert data is not None
     assert other is not None
@@ -409,7 +487,37 @@ def compare_textures(
     timed = min(len(data), len(other)) >= STILL
     if names[0] == names[1] and not _name(first):
         names = [f"first {names[0]}", f"second {names[1]}"]
-    return compare(data, other, (names[0], names[1]), consecutive=timed), data, other, likelihood
+    return ComparedTextures(compare(data, other, (names[0], names[1]), consecutive=timed), data, other, likelihood, tuple(notes))
+
+
+def _was_detrended(stored: StoredTexture) -> bool:
+    # Files from before the key have the note.
+    return bool(stored.source.get("detrended")) or "slow changes of mean and contrast were taken off" in stored.notes
+
+
+def _compared(recording: Recording, region: str, request: CompareRequest, name: str, *, detrend: bool) -> tuple[Frames, tuple[str, ...]]:
+    """Return the frames of a recording that are compared, and notes on the pixels that are left out."""
+    inside = parse_region(region or ":,:", recording.rows, recording.columns)
+    data = frames_of(recording, inside)
+    try:
+        require_values(np.where(np.isfinite(data), data, np.float32(np.nan)), two=True)
+        counted = counted_pixels(data, recording, inside, keep_defects=request.keep_defects)
+        require_values(counted.frames, two=True)
+    except DataError as error:
+        raise DataError(f"{name}: {error}") from error
+    return detrended(counted.frames) if detrend else counted.frames, counted.notes
+
+
+def _data_likelihood(stored: StoredTexture, data: Frames, name: str) -> DataLikelihood:
+    """Return the pseudo-likelihood of data under a texture, or the reason why there is none."""
+    texture, pixels = stored.texture, int(np.count_nonzero(np.isfinite(data)))
+    try:
+        if isinstance(texture, AutobinomialTexture):
+            return DataLikelihood(texture.pseudo_log_likelihood(_whole(data)[0]), name, pixels)
+        found = predict(texture, data)
+    except (DataError, DomainError) as error:
+        return DataLikelihood(None, name, pixels, reason=str(error))
+    return DataLikelihood(found.log_pseudo_likelihood, name, pixels, found.gain, found.outside, found.reason)
 
 
 def _name(given: Any) -> str:
