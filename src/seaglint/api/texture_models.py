@@ -75,7 +75,7 @@ def fit(
     output: str | Path | None = None,
     *,
     model: Literal["autobinomial", "gauss-markov"] = "gauss-markov",
-    tails: Literal["gaussian", "gamma", "lognormal", "k", "empirical"] = "gaussian",
+    tails: Literal["auto", "gaussian", "gamma", "lognormal", "k", "empirical", "noise"] = "auto",
     region: str | None = None,
     any_region: bool = False,
     detrend: bool = False,
@@ -131,7 +131,7 @@ def fit(
 
     if output is not None:
         refuse_existing(check_name(Path(output)), overwrite=overwrite)
-    if model == "autobinomial" and tails != "gaussian":
+    if model == "autobinomial" and tails not in ("auto", "gaussian"):
         raise DataError(f"tails = {tails}: an autobinomial texture has the histogram of its picture; leave tails out")
     opened = recording_of(recording, request_of(ReadingRequest, locals(), missing=tuple(missing)))
     left_out = None if mask is None else path_of(mask, "mask")

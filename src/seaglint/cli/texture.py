@@ -50,7 +50,7 @@ def fit(
     refuse_existing(check_name(output), overwrite=request.overwrite, inputs=[recording])
     if report is not None:
         refuse_report(report, request.overwrite, [recording, output])
-    if request.model == "autobinomial" and request.tails != "gaussian":
+    if request.model == "autobinomial" and request.tails not in ("auto", "gaussian"):
         raise DataError(f"--tails {request.tails}: an autobinomial texture has the histogram of its picture; leave --tails out")
     opened = reading.opened(recording)
     log_notes(recording, opened)
@@ -181,20 +181,24 @@ def fit_lines(result: Fitted) -> list[str]:
         out.append(f"held-out log pseudo-likelihood per pixel {value:.4g} (independent pixels {alone:.4g}{gain})")
     out += comparison_lines(result.comparison.distances)
     for entry in () if result.gaussian is None else result.gaussian.distances.filtered_rates:
-        out.append(f"  the Gaussian field, {entry.threshold_sigma:g} sigma: {_times(entry.second_over_first)} the data's rate")
+        out.append(f"  a Gaussian field, {entry.threshold_sigma:g} sigma: {entry.ratio.text} times the data's rate")
     return out + [f"note: {note}" for note in result.stored.notes]
 
 
 def model_lines(stored: JsonObject) -> list[str]:
     """Return the model, its parameters and the data of a fit as lines of text."""
+    from seaglint.textures.gaussian_texture import NAMES, GaussianTexture
+
     model, source = stored["model"], stored["source"]
     out = [f"{source['input']}: {_frames(source['frames'])} of {source['columns']} x {source['rows']} pixels, region {source['region']}"]
     if model["kind"] == "gauss-markov":
         slow = model["modulation"]
-        shape = "" if "shape" not in model["marginal"] else f" (shape {model['marginal']['shape']:.3g})"
+        shape = "" if "shape" not in model["marginal"] else f" of shape {model['marginal']['shape']:.3g}"
+        law = GaussianTexture.from_dict(model).law
+        lengths = "" if slow is None else ", ".join(f"{length:.3g}" for length in slow["lengths"][1:])
         out.append(
-            f"Gauss-Markov field of {len(model['offsets'])} neighbour pairs, {model['marginal']['kind']} pixels{shape}"
-            + ("" if slow is None else f", times a slow gamma field of shape {slow['shape']:.3g}")
+            f"Gauss-Markov field of {len(model['offsets'])} neighbour pairs: {NAMES[law.tails]}{shape}"
+            + ("" if slow is None else f", times a slow gamma field of shape {slow['shape']:.3g} and lengths {lengths} px (rows, columns)")
         )
         out.append(f"correlations of samples agree with the data's to {max(stored['fit']['correlation_error'], 1e-9):.1g} of the variance")
     else:
@@ -205,19 +209,17 @@ def model_lines(stored: JsonObject) -> list[str]:
     return out
 
 
-def _times(ratio: float | None) -> str:
-    return "none of" if ratio is None else f"{ratio:.3g} times"
-
-
 def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | None = None) -> list[str]:
     """Return a comparison as a few lines of text."""
+    from seaglint.clutter.rate_ratios import VERDICTS
+
     values = distances.marginal
     out = [f"{distances.second} against {distances.first}:"]
     for entry in distances.filtered_rates:
         out.append(
             f"  filtered > {entry.threshold_sigma:g} sigma: {entry.first:.3g} and {entry.second:.3g} per pixel "
             f"({entry.first_over_gaussian:.3g} and {entry.second_over_gaussian:.3g} x Gaussian), "
-            f"{_times(entry.second_over_first)} the first's"
+            f"ratio {entry.ratio.text}: {VERDICTS[entry.verdict]}"
         )
     out.append(f"  values: KS {values.ks:.3g}, Wasserstein {values.wasserstein_std:.3g} standard deviations")
     time = distances.time_correlation_distance
@@ -232,7 +234,10 @@ def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | N
     elif likelihood is not None:
         gain = "" if likelihood.gain is None else f" ({likelihood.gain:+.4g} nat by the neighbours)"
         out.append(f"  log pseudo-likelihood per pixel of the data: {likelihood.log_pseudo_likelihood:.4g}{gain}")
-    out += [f"  fails: {sentence}" for sentence in distances.fails] or ["  all differences are within their limits"]
+    out += [f"  fails: {sentence}" for sentence in distances.fails]
+    out += [f"  undecided: {sentence}" for sentence in distances.undecided]
+    if not distances.fails:
+        out.append("  no difference is beyond its limit" if distances.undecided else "  all differences are within their limits")
     return out
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.brightness import scale_limits
+from seaglint.clutter.rate_ratios import VERDICTS
 from seaglint.plot.figures_and_pages import bullets, figure, new_figure, notes, number, page, png, section, table
 from seaglint.store.outputs import refuse_existing, write_text
 from seaglint.textures.long_tails import interior
@@ -92,7 +93,7 @@ def comparison_report(
     title = f"Textures: {distances.second} against {distances.first}"
     body = [
         f"<h1>{escape(title)}</h1>",
-        notes(distances.fails, "All differences are within their limits."),
+        notes([*distances.fails, *distances.undecided], "All differences are within their limits."),
         *([section("The fit", bullets(about))] if about else []),
         section("Side by side", figure(png(draw_pictures(comparison, first, second)), "pictures", "Middle frames, and their Laplacians.")),
         section("False alarms of the filtered picture", _rates(distances, gaussian)),
@@ -103,7 +104,7 @@ def comparison_report(
 
 
 def _rates(distances: TextureDistances, gaussian: Comparison | None) -> str:
-    head = ["threshold [σ]", "Gaussian tail", distances.first, "95 % interval", distances.second, "95 % interval", "second / first"]
+    head = ["threshold [σ]", "Gaussian tail", distances.first, "95 % interval", distances.second, "95 % interval", "second / first", "within the limit"]
     plain = None if gaussian is None else gaussian.distances.filtered_rates
     if plain is not None:
         head += ["Gaussian field", "Gaussian field / first"]
@@ -112,9 +113,9 @@ def _rates(distances: TextureDistances, gaussian: Comparison | None) -> str:
         row = [number(entry.threshold_sigma), number(entry.gaussian_rate)]
         for rate, (low, high) in ((entry.first, entry.first_interval), (entry.second, entry.second_interval)):
             row += [number(rate), f"{number(low)} … {number(high)}"]
-        row.append(number(entry.second_over_first))
+        row += [entry.ratio.text, VERDICTS[entry.verdict]]
         if plain is not None:
-            row += [number(plain[i].second), number(plain[i].second_over_first)]
+            row += [number(plain[i].second), plain[i].ratio.text]
         rows.append(row)
     return table(head, rows)
 

@@ -440,11 +440,14 @@ class FitRequest:
 
     model: Annotated[Literal["autobinomial", "gauss-markov"], Parameter("field of the texture")] = "gauss-markov"
     tails: Annotated[
-        Literal["gaussian", "gamma", "lognormal", "k", "empirical"], Parameter("distribution of the pixels (gauss-markov)")
-    ] = "gaussian"
+        Literal["auto", "gaussian", "gamma", "lognormal", "k", "empirical", "noise"],
+        Parameter(
+            "distribution of the pixels, or 'noise' of the data's own distribution; 'auto': by the rates of pictures that the fit has not seen"
+        ),
+    ] = "auto"
     region: Annotated[str | None, Parameter("part of the picture in pixels, e.g. 120:248,64:192", metavar="ROWS,COLUMNS")] = None
     any_region: Annotated[bool, Parameter("fit also where the picture is not stationary")] = False
-    detrend: Annotated[bool, Parameter("take slow changes of mean and contrast off first")] = False
+    detrend: Annotated[bool, Parameter("take slow changes of the mean off first")] = False
     mask: Annotated[Path | None, Parameter("leave out pixels where an image or .npy of the picture's size is not 0", metavar="FILE")] = None
     keep_defects: Annotated[bool, Parameter("count all pixels, also dead lines, dark corners, objects and pixels that never change")] = (
         False
@@ -452,9 +455,9 @@ class FitRequest:
     product: Annotated[
         bool | None,
         Parameter(
-            "multiply fine structure by a slow gamma field where the tails ask for it, always or never",
+            "multiply fine structure by a slow gamma field where the rates need it, always or never",
             form="switch",
-            python="Multiply fine structure by a slow gamma field; None where the tails decide.",
+            python="Multiply fine structure by a slow gamma field; None where the rates decide.",
         ),
     ] = None
     order: Annotated[int, Parameter("order of the neighbourhood (autobinomial)", least=1)] = 2
@@ -488,7 +491,7 @@ class CompareRequest:
             python="Part of the first, and of the second.",
         ),
     ] = ()
-    detrend: Annotated[bool, Parameter("take slow changes of mean and contrast off both")] = False
+    detrend: Annotated[bool, Parameter("take slow changes of the mean off both")] = False
     keep_defects: Annotated[bool, Parameter("count all pixels, also dead lines, dark corners, objects and pixels that never change")] = (
         False
     )

@@ -15,7 +15,7 @@ from seaglint.base.free_form import JsonObject
 from seaglint.textures import gauss_markov_fit as estimation
 from seaglint.textures.gauss_markov import GaussMarkov, canonical, pseudo_log_likelihood
 from seaglint.textures.long_tails import Innovations, innovations
-from seaglint.textures.marginals import Marginal, Tails, fit_marginal
+from seaglint.textures.marginals import EMPIRICAL, Marginal, Tails, fit_marginal
 from seaglint.textures.synthesis import Modulation, latent
 
 KIND: Final = "gauss-markov"
@@ -24,6 +24,8 @@ REACH: Final = (2, 4, 4)  #: Farthest candidate neighbours, in frames, rows and 
 
 SPACE_IN_TIME: Final = 2  #: Farthest rows and columns of neighbours in other frames: waves move a pixel or two from one frame to the next.
 
+
+PILOT: Final = (1, 512, 512)  #: Sample of a field with a slow scale, from which its distribution is known.
 
 LawName = Tails | Literal["noise"]
 
@@ -151,6 +153,25 @@ def neighbours(shape: Sequence[int], reach: Sequence[int] = REACH) -> tuple[tupl
     return tuple(sorted({canonical(d) for d in (*in_frame, *(d for d in in_others if d[0] > 0))}))
 
 
+def of_latent(marginal: Marginal, sample: NDArray[np.float32]) -> Marginal:
+    """Return the transform that gives the values of a field that is not Gaussian a distribution.
+
+    Parameters
+    ----------
+    marginal : Marginal
+        Transform of a Gaussian field.
+    sample : ndarray
+        Values of the field [1].
+    """
+    from scipy.special import ndtri
+
+    knots = np.linspace(-4.0, 4.0, EMPIRICAL)
+    # Half a value beyond either end, so that no probability is 0 or 1.
+    below = (np.searchsorted(np.sort(sample, axis=None), knots) + 0.5) / (sample.size + 1.0)
+    values = np.maximum.accumulate((marginal(ndtri(below)) - marginal.loc) / marginal.scale)
+    return Marginal("empirical", marginal.loc, marginal.scale, None, tuple(map(float, values)))
+
+
 def fit_texture(
     data: ArrayLike,
     law: Law | None = None,
@@ -219,6 +240,8 @@ class FieldsOf:
             behind = self._noises[kind]
             slow = behind.modulation if law.scaled else None
             noise = behind.law(scaled=slow is not None) if law.tails == "noise" else None
+            if slow is not None and kind == "empirical":
+                marginal = of_latent(marginal, latent(field.model, PILOT, 0, slow))
         return TextureFit(GaussianTexture(field.model, marginal, slow, noise), field, marginal.truncation, field.notes)
 
     def _field(self, kind: Tails) -> tuple[Marginal, estimation.GaussMarkovFit]:

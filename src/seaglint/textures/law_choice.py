@@ -11,16 +11,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
 from seaglint.clutter.rate_ratios import RateRatio, rate_ratio
 from seaglint.textures.gauss_markov import Offset
-from seaglint.textures.gaussian_texture import FieldsOf, GaussianTexture, Law
+from seaglint.textures.gaussian_texture import FieldsOf, GaussianTexture, Law, LawName
 from seaglint.textures.long_tails import interior
 
 Frames = NDArray[np.float32]
@@ -39,6 +40,8 @@ LAWS: Final = (
     Law("noise", scaled=True),
     Law("noise"),
 )
+
+UNJUDGED: Final = Law("empirical")  #: Law of a picture that is too small to be divided.
 
 SAMPLED: Final = 300_000  #: Number of pixels of the sample of a law.
 
@@ -65,6 +68,15 @@ class JudgedLaw:
     def agrees(self) -> bool:
         """True if all intervals contain 1."""
         return bool(self.ratios) and all(deviate(ratio) <= 1.0 for ratio in self.ratios)
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and words."""
+        labels = [(half, threshold) for half in (1, 2) for threshold in THRESHOLDS]
+        rows = [
+            {"half": half, "threshold_sigma": m, "ratio": r.value, "interval": r.interval, "note": r.note}
+            for (half, m), r in zip(labels, self.ratios, strict=False)
+        ]
+        return {"law": self.law.name, "deviate": self.deviate if self.ratios else None, "agrees": self.agrees, "ratios": rows}
 
     @property
     def text(self) -> str:
@@ -163,7 +175,40 @@ def judge_laws(parts: tuple[Frames, Frames], laws: Sequence[Law], offsets: Seque
     return [JudgedLaw(law, () if law in lost else found[law]) for law in laws]
 
 
+def candidates(tails: LawName | Literal["auto"], product: bool | None) -> tuple[Law, ...]:
+    """Return the laws that are judged: all of them, or those of one distribution; with a slow scale, without, or both.
+
+    Examples
+    --------
+    >>> [law.name for law in candidates("gamma", None)]
+    ['gamma values', 'gamma values times a slow scale']
+    """
+    if tails == "auto":
+        laws = LAWS
+    elif tails == "gaussian" and product is None:
+        laws = (Law("gaussian"),)
+    else:
+        laws = (Law(tails), Law(tails, scaled=True))
+    return tuple(law for law in laws if product in (None, law.scaled))
+
+
 def choose_law(judged: Sequence[JudgedLaw]) -> JudgedLaw:
     """Return the law with the smallest deviate, or the first one that is about as good."""
     least = min(one.deviate for one in judged)
     return next(one for one in judged if one.deviate <= least + ALIKE)
+
+
+def reasons(chosen: JudgedLaw, judged: Sequence[JudgedLaw]) -> tuple[str, ...]:
+    """Return why a law was chosen, in sentences for a report."""
+    if not chosen.ratios:
+        return (f"{chosen.law.name}: no half could be judged",)
+    rates = f"sample over unseen half, above {' and '.join(f'{m:g}' for m in THRESHOLDS)} sigma of the Laplacian"
+    out = [f"law: {chosen.text} ({rates}; first and second half)"]
+    others = [one for one in judged if one is not chosen and one.ratios]
+    if others:
+        near = min(others, key=lambda one: one.deviate)
+        better = "; it agrees as well, and the law that comes first in order is taken" if near.deviate <= chosen.deviate else ""
+        out.append(f"next law: {near.text}{better}")
+    if not chosen.agrees:
+        out.append("no law has the rates of both halves: the halves differ, or their tails have another cause; rates of samples are not certain")
+    return tuple(out)

@@ -20,6 +20,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.clutter.correlation import spatial_correlation, temporal_correlation
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms, RateCurve
+from seaglint.clutter.rate_ratios import RateRatio, Verdict, rate_ratio
 from seaglint.clutter.spectrum import Spectrum, power_spectrum
 from seaglint.textures.long_tails import interior
 
@@ -83,11 +84,20 @@ class RatePair:
     second_interval: list[float | None]  #: Ends of its 95 % interval [1].
     first_over_gaussian: float  #: Rate of the first over the Gaussian tail [1].
     second_over_gaussian: float  #: Rate of the second over the Gaussian tail [1].
-    second_over_first: float | None  #: Ratio of the rates [1]; None where one of them is 0.
+    second_over_first: float | None  #: Ratio of the rates [1]; None where the first is 0.
+    ratio_interval: list[float | None]  #: Ends of its 95 % interval [1]; a last None is infinite, two are no interval.
+    verdict: Verdict  #: Whether the ratio ``holds`` within the limit or ``differs``, both with its whole interval, or is ``undecided``.
+
+    @property
+    def ratio(self) -> RateRatio:
+        """Ratio of the rates with its interval."""
+        low, high = self.ratio_interval
+        return RateRatio(self.second_over_first, low, high)
 
     @classmethod
     def of(cls, a: FalseAlarmRate, b: FalseAlarmRate) -> Self:
         """Return the rates of the first and the second picture."""
+        ratio = rate_ratio(a, b)
         return cls(
             threshold_sigma=a.threshold_sigma,
             gaussian_rate=a.gaussian_rate,
@@ -97,7 +107,9 @@ class RatePair:
             second_interval=[b.rate_low, b.rate_high],
             first_over_gaussian=a.ratio,
             second_over_gaussian=b.ratio,
-            second_over_first=b.rate / a.rate if a.exceedances and b.exceedances else None,
+            second_over_first=ratio.value,
+            ratio_interval=ratio.interval,
+            verdict=ratio.verdict(LIMITS["rate_factor"]),
         )
 
 
@@ -148,7 +160,8 @@ class TextureDistances:
     correlation_distance: float  #: Rms difference of the correlations in space [1].
     time_correlation_distance: float | None  #: Rms difference of the correlations in time [1]; None without time.
     cooccurrence: dict[str, FeaturePair]  #: Features of co-occurring grey levels by name.
-    fails: list[str]  #: Sentences on the measures that differ by more than ``LIMITS``.
+    fails: list[str]  #: Sentences on the measures that differ by more than ``LIMITS``, of rates with their whole interval.
+    undecided: list[str]  #: Sentences on rates of too few exceedances to say whether they differ by more than the limit.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and words."""
@@ -177,8 +190,9 @@ class Comparison:
             time_correlation_distance=None if a.time is None or b.time is None else _rms(a.time, b.time),
             cooccurrence={name: FeaturePair(one, other, _relative(name, one, other)) for name, one, other in pairs},
             fails=[],
+            undecided=[],
         )
-        return replace(result, fails=_fails(result))
+        return replace(result, fails=_fails(result), undecided=_undecided(result))
 
     def as_dict(self) -> JsonObject:
         """Return the comparison as plain numbers and words."""
@@ -199,11 +213,9 @@ def _fails(distances: TextureDistances) -> list[str]:
     """Sentences on the measures that differ by more than ``LIMITS``."""
     out = []
     for entry in distances.filtered_rates:
-        ratio, most = entry.second_over_first, LIMITS["rate_factor"]
-        if ratio is None:
-            out.append(f"at {entry.threshold_sigma:g} sigma one of the two has no exceedance in the filtered picture")
-        elif not 1.0 / most <= ratio <= most:
-            out.append(f"the filtered picture exceeds {entry.threshold_sigma:g} sigma {ratio:.2g} times as often as the first")
+        if entry.verdict == "differs":
+            what = "never exceeds" if entry.second_over_first == 0.0 else "exceeds"
+            out.append(f"the filtered picture {what} {entry.threshold_sigma:g} sigma, {entry.ratio.text} times as often as the first")
     checks = (
         ("ks", distances.marginal.ks, "distribution functions of the pixels differ by {:.2g}"),
         ("spectrum_db", distances.spectrum_distance_db, "spectra differ by {:.2g} dB rms"),
@@ -215,6 +227,16 @@ def _fails(distances: TextureDistances) -> list[str]:
     if pair.relative > LIMITS["cooccurrence"]:
         out.append(f"co-occurring grey levels differ most in {worst}: {pair.first:.3g} and {pair.second:.3g}")
     return out
+
+
+def _undecided(distances: TextureDistances) -> list[str]:
+    """Sentences on rates whose interval reaches over the limit."""
+    most = LIMITS["rate_factor"]
+    return [
+        f"too few exceedances of {entry.threshold_sigma:g} sigma to say whether their rates agree within {most:g}: ratio {entry.ratio.text}"
+        for entry in distances.filtered_rates
+        if entry.verdict == "undecided" and entry.ratio_interval[0] is not None
+    ]
 
 
 def _relative(name: str, a: float, b: float) -> float:
@@ -311,7 +333,7 @@ def _filled(frames: FloatArray, side: int) -> FloatArray:
 
 
 def _measure(name: str, x: NDArray[np.floating], side: int, ends: FloatArray, frames: int) -> Likeness:
-    alarms = FalseAlarms(THRESHOLDS)
+    alarms = FalseAlarms(THRESHOLDS, estimated=True)
     for frame in x:
         alarms.add(interior(frame[None]))
     gaps = bool(np.isnan(x).any())

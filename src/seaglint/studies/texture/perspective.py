@@ -221,7 +221,7 @@ def place(
         need = BYTES_PER_PIXEL * loop_frames * int(np.prod(request.size))
         what = f"a field of {loop_frames} x {request.size[0]} x {request.size[1]} cells"
         require_room(need, what, "give a smaller size, or fewer sensor.frames")
-        plane = PeriodicField(latent(field, (loop_frames, *request.size[::-1]), seed, texture.modulation), metres, feet)
+        plane = PeriodicField(latent(field, (loop_frames, *request.size[::-1]), seed, texture.modulation, texture.noise), metres, feet)
         total = means["radiance"].to_numpy().astype(np.float64)
         glint = request.contrast == "glint" or (request.contrast == "auto" and float(means["glint_std"].max()) > 0.0)
         if glint:

@@ -25,12 +25,11 @@ from seaglint.store.sequence_store import check_output, write_sequence
 from seaglint.store.texture_file import StoredTexture, read_texture
 from seaglint.studies.study_requests import CompareRequest, FitRequest, SampleRequest
 from seaglint.studies.texture.counted_pixels import counted_pixels, like
-from seaglint.textures import gauss_markov_fit as estimation
 from seaglint.textures.autobinomial_texture import AutobinomialTexture
 from seaglint.textures.autobinomial_texture import fit_texture as fit_autobinomial
 from seaglint.textures.gauss_markov import GaussMarkov
-from seaglint.textures.gaussian_texture import GaussianTexture, fit_texture
-from seaglint.textures.marginals import Tails, fit_marginal
+from seaglint.textures.gaussian_texture import FieldsOf, GaussianTexture, Law
+from seaglint.textures.law_choice import UNJUDGED, JudgedLaw, candidates, choose_law, halves, judge_laws, reasons
 from seaglint.textures.prediction import predict
 from seaglint.textures.quality import Comparison, compare
 from seaglint.textures.suitability import SMALLEST_SIDE, PixelRegion, parse_region, require_stationary, require_values, whole_region
@@ -44,8 +43,6 @@ Kind = Literal["autobinomial", "gauss-markov"]
 MOST_VALUES: Final = 3_000_000  #: Pixels of a sequence that a texture is fitted to: parameters are then known to a part in a thousand.
 
 STILL: Final = 8  #: Frames from which on correlations in time are fitted.
-
-AVERAGED: Final = 8  #: Part of a side over which the local contrast is averaged before its slow change is taken off.
 
 NOMINAL_RATE: Final = 25.0  #: Frame rate of a sample whose data had none [Hz].
 
@@ -116,41 +113,16 @@ def frames_of(recording: Recording, region: PixelRegion, most: int = MOST_VALUES
 
 
 def detrended(frames: Frames) -> Frames:
-    """Return frames without slow changes of mean and contrast: both have their average everywhere; NaN stay NaN."""
-    from scipy.ndimage import uniform_filter
+    """Return frames without slow changes of the mean, which has its average everywhere; NaN stay NaN.
 
-    if np.isnan(frames).any():
-        return _detrended_with_gaps(frames)
-    trend = trend_surface(frames.mean(axis=0, dtype=np.float64))
-    # One trend for all frames, so that changes in time remain.
-    remainder = frames - trend
-    power = (remainder**2).mean(axis=0)
-    # Logarithms of means over some pixels: a surface through powers themselves passes 0 beside a bright edge.
-    local = uniform_filter(power, size=[max(n // AVERAGED, 1) for n in power.shape])
-    flat = remainder / np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * power.mean())), degree=2))
-    return np.asarray(trend.mean() + math.sqrt(float(power.mean())) * flat / flat.std(), np.float32)
-
-
-def _detrended_with_gaps(frames: Frames) -> Frames:
-    """Return ``detrended`` of the pixels that are not NaN."""
-    from scipy.ndimage import uniform_filter
-
+    Slow changes of contrast remain: they belong to the texture, as its slow scale.
+    """
     exist = np.isfinite(frames)
     count = exist.sum(axis=0)
-    pixels = count > 0
-
-    def mean_in_time(values: NDArray[np.floating]) -> NDArray[np.float64]:
-        return np.asarray(np.where(exist, values, 0.0).sum(axis=0, dtype=np.float64) / np.maximum(count, 1))
-
-    trend = trend_surface(mean_in_time(frames), pixels)
-    remainder = frames - trend
-    power = mean_in_time(remainder**2)
-    size = [max(n // AVERAGED, 1) for n in power.shape]
-    # Means over the pixels near by that have a value.
-    local = uniform_filter(power, size=size) / np.maximum(uniform_filter(pixels.astype(np.float64), size=size), 1e-12)
-    average = float(power[pixels].mean())
-    flat = remainder / np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * average)), pixels, degree=2))
-    return np.asarray(float(trend[pixels].mean()) + math.sqrt(average) * flat / float(flat[exist].std()), np.float32)
+    mean = np.where(exist, frames, 0.0).sum(axis=0, dtype=np.float64) / np.maximum(count, 1)
+    # One trend for all frames, so that changes in time remain.
+    trend = trend_surface(mean, count > 0)
+    return np.asarray(frames - trend + float(trend[count > 0].mean()), np.float32)
 
 
 @single_threaded_algebra()
@@ -175,7 +147,7 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
         notes.append(f"fitted to {len(data)} of {recording.frames} frames, from the middle")
     if options.detrend:
         data = detrended(data)
-        notes.append("slow changes of mean and contrast were taken off")
+        notes.append("slow changes of the mean were taken off")
     if not options.any_region:
         notes += require_stationary(data, region, detrended=options.detrend)
     if 1 < len(data) < STILL:
@@ -219,9 +191,25 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
 
 
 def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, JsonObject, tuple[str, ...]]:
-    result = fit_texture(data, options.tails, product=options.product, seed=options.seed)
+    """Fit the law that agrees best with the rates of halves that its fit has not seen."""
+    fields = FieldsOf(data)
+    laws = candidates(options.tails, options.product)
+    parts = halves(data)
+    judged: list[JudgedLaw] = []
+    notes: tuple[str, ...] = ()
+    if parts is None:
+        law = laws[0] if len(laws) == 1 else UNJUDGED
+        notes = (f"{_size(data)} is too small to be divided into two halves: no law could be judged, {law.name} are fitted",)
+    else:
+        offsets = fields.fit(Law("gaussian")).texture.field.offsets
+        judged = judge_laws(parts, laws, offsets, options.seed)
+        chosen = choose_law(judged)
+        law, notes = chosen.law, reasons(chosen, judged)
+    result = fields.fit(law)
     field = result.field
     values = {
+        "law": result.texture.law.name,
+        "laws": [one.as_dict() for one in judged],
         "standard_errors": list(field.standard_errors),
         "variance_error": field.variance_error,
         "log_likelihood": field.log_likelihood,
@@ -230,7 +218,11 @@ def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, J
         "likelihood": "Whittle's, covariances corrected for the border",
         "correlation_error": result.correlation_error,
     }
-    return result.texture, values, result.notes
+    return result.texture, values, (*notes, *result.notes)
+
+
+def _size(data: Frames) -> str:
+    return f"a region of {data.shape[1]} x {data.shape[2]} pixels"
 
 
 def _autobinomial(data: Frames, options: FitRequest) -> tuple[AutobinomialTexture, JsonObject, tuple[str, ...]]:
@@ -264,21 +256,9 @@ def _whole(frames: Frames) -> tuple[Frames, tuple[str, ...]]:
 
 def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> GaussianTexture | None:
     """Return the Gaussian texture of the same neighbourhood, for comparison."""
-    if not isinstance(texture, GaussianTexture) or (texture.marginal.kind == "gaussian" and texture.modulation is None):
+    if not isinstance(texture, GaussianTexture) or texture.law == Law("gaussian"):
         return None
-    return _refit(texture, data, "gaussian")
-
-
-def _refit(texture: GaussianTexture, data: Frames, tails: Tails) -> GaussianTexture:
-    covariances = estimation.covariances(data, texture.reach)
-    marginal = fit_marginal(data, tails)
-    # The field has unit variance; the marginal turns the data's correlations into those of the field.
-    known = replace(covariances, values=marginal.latent_correlation(covariances.values / covariances.at((0, 0, 0))), mean=0.0)
-    try:
-        field = estimation.fit(known, texture.field.offsets).model
-    except estimation.NoOptimumError:
-        field = estimation.fit(known.damped(), texture.field.offsets).model
-    return GaussianTexture(field, marginal)
+    return FieldsOf(data, offsets=texture.field.offsets).fit(Law("gaussian")).texture
 
 
 def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | AutobinomialTexture) -> HeldOut:
@@ -292,7 +272,7 @@ def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | Auto
         fitted_half, other_half = data[:, :, :middle], data[:, :, middle:]
     try:
         if isinstance(texture, GaussianTexture):
-            found = predict(_refit(texture, fitted_half, texture.marginal.kind), other_half)
+            found = predict(FieldsOf(fitted_half, offsets=texture.field.offsets).fit(Law(texture.marginal.kind)).texture, other_half)
             if found.log_pseudo_likelihood is None:
                 return HeldOut(None, None, found.reason, None, found.outside, found.step)
             known, other = (half if np.isfinite(half).all() else half[np.isfinite(half)] for half in (fitted_half, other_half))
@@ -463,9 +443,9 @@ def compare_textures(first: Any, second: Any, opened: Callable[[Any], Recording]
     for i, stored in enumerate(textures):
         if stored is not None and _was_detrended(stored) and not detrend:
             detrend = True
-            notes.append(f"slow changes of mean and contrast are taken off both: {names[i]} was fitted to data without them")
+            notes.append(f"slow changes of the mean are taken off both: {names[i]} was fitted to data without them")
     if request.detrend:
-        notes.append("slow changes of mean and contrast were taken off both")
+        notes.append("slow changes of the mean were taken off both")
     for i, one in enumerate(given):
         if not models[i]:
             recording = opened(one)
@@ -492,7 +472,7 @@ def compare_textures(first: Any, second: Any, opened: Callable[[Any], Recording]
 
 def _was_detrended(stored: StoredTexture) -> bool:
     # Files from before the key have the note.
-    return bool(stored.source.get("detrended")) or "slow changes of mean and contrast were taken off" in stored.notes
+    return bool(stored.source.get("detrended")) or "slow changes of the mean were taken off" in stored.notes
 
 
 def _compared(recording: Recording, region: str, request: CompareRequest, name: str, *, detrend: bool) -> tuple[Frames, tuple[str, ...]]:
