@@ -12,7 +12,7 @@ from scipy.stats import binom, norm
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.cluster_variance import rate_variance, score_interval
-from seaglint.clutter.false_alarms import SEGMENTS, FalseAlarms
+from seaglint.clutter.false_alarms import SEGMENTS, FalseAlarms, RateCurve
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import frame_scale, gaussian_rate, standardise
 
@@ -253,3 +253,33 @@ def test_local_deviations_of_a_bright_frame_keep_their_digits() -> None:
     x = np.random.default_rng(33).integers(-3, 4, (1, 50, 50)).astype(np.float32)
     level = np.float32(2.0**22)
     assert standardise(x + level, scope="local", window=11) == pytest.approx(standardise(x, scope="local", window=11), abs=1e-4)
+
+
+def test_the_density_of_a_rate_curve_is_its_slope() -> None:
+    threshold = np.linspace(0.0, 4.0, 401)
+    numbers = np.rint(1e9 * norm.sf(threshold)).astype(np.int64)
+    assert RateCurve(threshold, numbers, 10**9).density(2.0) == pytest.approx(norm.pdf(2.0), rel=0.01)
+    line = np.rint(1000.0 * (4.0 - threshold)).astype(np.int64)
+    assert RateCurve(threshold, line, 4000).density(1.234) == pytest.approx(0.25, rel=1e-9)
+    assert RateCurve(threshold, line, 4000).density(0.0) == pytest.approx(0.125, rel=1e-9)  # nothing is counted below the first
+    assert RateCurve(threshold[:1], line[:1], 4000).density(0.0) == 0.0
+
+
+def test_a_rate_at_the_measured_deviation_is_more_certain() -> None:
+    """Bright events raise the deviation too: of gamma values the count scatters less than the deviation's own error lets one expect."""
+    counts, widths = [], []
+    for seed in range(40):
+        x = np.random.default_rng(seed).gamma(2.0, 1.0, (1, 80, 100))
+        z = ((x - x.mean()) / x.std()).astype(np.float32)
+        found = []
+        for estimated in (False, True):
+            alarms = FalseAlarms((3.0,), estimated=estimated)
+            alarms.add(z)
+            found.append(alarms.rates()[0])
+        counts.append(found[0].exceedances)
+        widths.append([one.inflation for one in found])
+    scatter = np.var(counts) / np.mean(counts)
+    known, estimated = np.mean(widths, axis=0)
+    assert scatter < 0.85
+    assert abs(estimated - scatter) < abs(known - scatter)
+    assert estimated == pytest.approx(scatter, rel=0.35)

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import norm
 from stored_frames import StoredFrames
 
-from seaglint.detection.background import Background, Windows, blocks_of, count_false_alarms, curve_density
+from seaglint.detection.background import Background, Windows, blocks_of, count_false_alarms
 from seaglint.detection.moving import FrameDifference
 from seaglint.detection.spatial import FilterThreshold
 
@@ -89,17 +89,6 @@ def test_false_alarms_of_sequences_do_not_touch() -> None:
     assert [background.place.of_event(int(first)) for first in bright.first] == [0, 4, 8]
     assert count.per_frame.rate == 1.0
     assert count.per_pixel.rate == pytest.approx(12 / frames.size)
-
-
-def test_the_density_of_a_rate_curve_is_its_slope() -> None:
-    threshold = np.linspace(0.0, 4.0, 401)
-    numbers = np.rint(1e9 * norm.sf(threshold)).astype(np.int64)
-    assert curve_density(threshold, numbers, 2.0) == pytest.approx(1e9 * norm.pdf(2.0), rel=0.01)
-    line = np.rint(1000.0 * (4.0 - threshold)).astype(np.int64)
-    assert curve_density(threshold, line, 1.234) == pytest.approx(1000.0, rel=1e-9)
-    assert curve_density(threshold, line, 1.0, half=0.5) == pytest.approx(1000.0, rel=1e-9)
-    assert curve_density(threshold, line, 0.0) == pytest.approx(500.0, rel=1e-9)  # nothing is counted below the first
-    assert curve_density(threshold[:1], line[:1], 0.0) == 0.0
 
 
 def test_large_frames_are_read_one_by_one() -> None:

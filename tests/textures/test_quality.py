@@ -151,14 +151,14 @@ def shifted(share: float) -> np.ndarray:
 
 
 def with_rate(factor: float) -> tuple:
-    return tuple(replace(rate, rate=factor * rate.rate) for rate in ONE.rates)
+    return tuple(replace(rate, rate=factor * rate.rate, exceedances=round(factor * rate.exceedances)) for rate in ONE.rates)
 
 
 @pytest.mark.parametrize(
     ("inside", "beyond", "sentence"),
     [
-        (near(rates=with_rate(1.45)), near(rates=with_rate(1.55)), "filtered picture exceeds 3 sigma 1.6 times"),
-        (near(rates=with_rate(1.0 / 1.45)), near(rates=with_rate(1.0 / 1.55)), "filtered picture exceeds 3.5 sigma 0.65 times"),
+        (near(rates=with_rate(1.45)), near(rates=with_rate(3.0)), "filtered picture exceeds 3 sigma, 3.00 ("),
+        (near(rates=with_rate(1.0 / 1.45)), near(rates=with_rate(0.25)), "filtered picture exceeds 3.5 sigma, 0.25 ("),
         (near(x=ONE.x + 0.139), near(x=ONE.x + 0.144), "correlations in space differ by 0.1 rms"),  # mean square of two axes
         (near(y=ONE.y - 0.139), near(y=ONE.y - 0.144), "correlations in space differ by 0.1 rms"),
         (near(time=ONE.time + 0.098), near(time=ONE.time + 0.103), "correlations in time differ by 0.1 rms"),
@@ -193,8 +193,23 @@ def test_pictures_without_times_or_exceedances_are_compared_in_the_rest() -> Non
     for pair in (near(time=None), Comparison(replace(ONE, time=None), ONE)):
         assert pair.as_dict()["time_correlation_distance"] is None
     none = tuple(replace(rate, exceedances=0, rate=0.0) for rate in ONE.rates)
-    for pair in (near(rates=none), Comparison(replace(ONE, rates=none), ONE)):
-        assert sum("one of the two has no exceedance" in one for one in pair.as_dict()["fails"]) == 2
+    assert sum("never exceeds" in one for one in near(rates=none).as_dict()["fails"]) == 2
+    assert sum("exceeds" in one for one in Comparison(replace(ONE, rates=none), ONE).as_dict()["fails"]) == 2
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.6, 1.0, 1.45, 1.6, 1.9, 4.0])
+def test_verdicts_of_rates_follow_from_their_intervals(factor: float) -> None:
+    found = near(rates=with_rate(factor)).distances
+    for entry in found.filtered_rates:
+        low, high = entry.ratio_interval
+        assert low is not None
+        assert high is not None
+        assert low < factor < high
+        expected = "holds" if low >= 1 / 1.5 and high <= 1.5 else "differs" if low > 1.5 or high < 1 / 1.5 else "undecided"
+        assert entry.verdict == expected
+    verdicts = [entry.verdict for entry in found.filtered_rates]
+    assert len(found.undecided) == verdicts.count("undecided")
+    assert sum("exceeds" in sentence for sentence in found.fails) == verdicts.count("differs")
 
 
 def test_the_distance_of_correlations_leaves_out_what_is_missing() -> None:

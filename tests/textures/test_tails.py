@@ -1,31 +1,20 @@
-"""Tails of filtered pictures: what is measured of them, and the slow field that is found where they are too long for the pixels' values."""
+"""Long tails: the noise behind a picture, its distribution, and the slow scale that multiplies it."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import norm
+from scipy.special import polygamma
 
 from seaglint.clutter.filters import Laplacian
-from seaglint.textures import long_tails as tails
 from seaglint.textures.gauss_markov import GaussMarkov
-from seaglint.textures.long_tails import THRESHOLDS, find_modulation, interior, misfit, pilot_shape, tail
-from seaglint.textures.marginals import Marginal
-from seaglint.textures.synthesis import Modulation, latent
+from seaglint.textures.gaussian_texture import GaussianTexture, Law, fit_texture, of_latent
+from seaglint.textures.long_tails import PATCH, innovations, interior
+from seaglint.textures.marginals import Marginal, fit_marginal
+from seaglint.textures.synthesis import Modulation, density_of, filtered, latent, rough, whitened
 
-WHITE = GaussMarkov((), (), 1.0)
-FIELD = GaussMarkov(((0, 0, 1), (0, 1, 0)), (0.1, 0.1), 1.0)
-
-
-def test_the_tail_of_white_noise_is_gaussian_and_does_not_cluster() -> None:
-    """400 000 pixels: rates within four standard errors of a count whose neighbours exceed together up to twice."""
-    found = tail(np.random.default_rng(1).standard_normal((4, 320, 322)))
-    expected = norm.sf(THRESHOLDS)
-    pixels = 4 * 318 * 320
-    assert found.rates * pixels == pytest.approx(found.counts)
-    assert np.all(np.abs(found.counts - expected * pixels) < 4.0 * np.sqrt(2.0 * expected * pixels))
-    assert found.clusters == pytest.approx(np.zeros(6), abs=0.01)
-    assert found.lengths[1:] == (2.0, 2.0)  # the filter's own weights of neighbours
+FIELD = GaussMarkov(((0, 0, 1), (0, 1, 0)), (0.2, 0.15), 1.0)
+IN_TIME = GaussMarkov(((0, 0, 1), (0, 1, 0), (1, 0, 1)), (0.15, 0.1, 0.15), 1.0)
 
 
 def test_interior_pixels_see_no_border() -> None:
@@ -35,62 +24,106 @@ def test_interior_pixels_see_no_border() -> None:
     np.testing.assert_allclose(interior(frames), expected, atol=1e-4)
 
 
-def test_patches_cluster_over_their_size() -> None:
-    """White noise in patches of 10 rows and 20 columns, calm or rough: strengths are as alike at a distance as it lies in one patch."""
-    rng = np.random.default_rng(3)
-    rough = np.kron(rng.choice([0.2, 1.8], (1, 60, 40)), np.ones((1, 10, 20)))
-    found = tail(rough * rng.standard_normal(rough.shape))
-    apart = np.arange(3, 9)
-    alike = 0.5 * (1.0 - apart / 10.0 + 1.0 - apart / 20.0)
-    # A patch of the same kind next door is as good; the share of the strength's variance that patches explain is that next door.
-    assert found.clusters / found.clusters[0] == pytest.approx(alike / alike[0], abs=0.08)
-    assert found.lengths[2] > found.lengths[1] > 5.0
-    assert found.lengths[0] == 1.0
+@pytest.mark.parametrize(("model", "shape"), [(FIELD, (1, 40, 61)), (IN_TIME, (9, 30, 22))])
+def test_whitening_undoes_the_filter(model: GaussMarkov, shape: tuple[int, int, int]) -> None:
+    noise = np.random.default_rng(1).standard_normal(shape).astype(np.float32)
+    density = density_of(model, shape)
+    np.testing.assert_allclose(whitened(filtered(noise.copy(), density), density), noise, atol=2e-5)
 
 
-def test_misfit_is_the_log_of_rates() -> None:
-    one = tail(np.random.default_rng(4).standard_normal((1, 300, 300)))
-    assert misfit(one, one) == pytest.approx(np.zeros(3), abs=1e-6)
-    twice = tails.Tail(2.0 * one.rates, one.counts, one.clusters, one.lengths)
-    assert misfit(twice, one) == pytest.approx(np.full(3, np.log(2.0)), abs=1e-6)
-    none = tails.Tail(0.0 * one.rates, one.counts, one.clusters, one.lengths)
-    assert np.all(np.isfinite(misfit(none, one)))
-    assert np.all(np.isfinite(misfit(one, none)))
+@pytest.mark.parametrize("model", [FIELD, IN_TIME])
+def test_the_noise_behind_a_part_of_a_sample_is_found(model: GaussMarkov) -> None:
+    """Cut from a torus, so that the borders have neighbours that nobody knows; away from them the noise is the one drawn."""
+    frames = 1 if model.reach[0] == 0 else 20
+    shape = (frames, 160, 200)
+    law = Marginal("empirical", 0.0, 1.0, None, tuple(np.sign(g) * abs(g) ** 1.4 for g in np.linspace(-4.0, 4.0, 101)))
+    drawn = rough(shape, 3, noise=law)
+    whole = filtered(drawn.copy(), density_of(model, shape))
+    part = (slice(None), slice(20, 120), slice(30, 170)) if frames == 1 else (slice(4, 16), slice(20, 120), slice(30, 170))
+    found = innovations(whole[part], model).values
+    inside = np.isfinite(found)
+    assert np.corrcoef(found[inside], drawn[part][inside])[0, 1] > 0.985
+    assert not inside[:, 0].any()
+    assert not inside[:, :, -1].any()
 
 
-@pytest.mark.parametrize(("frames", "reach"), [(1, (0, 4, 4)), (20, (2, 4, 4)), (20, (0, 4, 4)), (1, (8, 1, 1))])
-def test_pilots_hold_the_pixels_asked_for(frames: int, reach: tuple[int, int, int]) -> None:
-    model = GaussMarkov((reach,), (0.01,), 1.0)
-    deep, rows, columns = pilot_shape(model, frames)
-    assert deep == (1 if frames == 1 and reach[0] == 0 else max(12, 2 * reach[0] + 1))
-    assert rows == columns
-    assert rows % 16 == 0
-    assert deep * rows**2 <= tails.PILOT < deep * (rows + 16) ** 2
+def test_the_law_of_the_noise_is_found() -> None:
+    """Exponential noise: skewness 2 and excess kurtosis 6 of the noise, of which a filter leaves less in the pixels."""
+    noise = np.random.default_rng(4).exponential(1.0, (1, 400, 400)).astype(np.float32) - 1.0
+    x = filtered(noise, density_of(FIELD, noise.shape))
+    behind = innovations(x, FIELD)
+    law = behind.law(scaled=False)
+    assert law.mean == pytest.approx(0.0, abs=1e-6)
+    assert law.variance == pytest.approx(1.0, rel=1e-6)
+    drawn = rough((1, 600, 600), 5, noise=law)
+    z = (drawn - drawn.mean()) / drawn.std()
+    assert float((z**3).mean()) == pytest.approx(2.0, rel=0.1)
+    assert float((z**4).mean()) - 3.0 == pytest.approx(6.0, rel=0.3)
+    assert behind.modulation is None
 
 
-@pytest.fixture
-def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer and smaller samples than a fit takes."""
-    monkeypatch.setattr(tails, "PILOT", 90_000)
-    monkeypatch.setattr(tails, "SHAPES", (0.3, 1.0, 3.0))
-    monkeypatch.setattr(tails, "STRETCHES", (1.0, 2.0))
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_even_noise_has_no_slow_scale(seed: int) -> None:
+    x = latent(FIELD, (1, 150, 200), seed)
+    assert innovations(x, FIELD).modulation is None
 
 
-@pytest.mark.usefixtures("few")
-@pytest.mark.parametrize("shape", [0.3, 3.0])
-def test_the_slow_field_of_a_sample_is_found(shape: float) -> None:
-    """Long tails of a product and Gaussian values: the shape put in comes out, and the rates are met."""
-    data = latent(FIELD, (1, 320, 320), 5, Modulation(shape, (1.0, 6.0, 6.0)))
-    found, left = find_modulation(data, FIELD, Marginal("gaussian", 0.0, 1.0), seed=6)
-    assert found is not None
-    assert found.shape == shape
-    assert 2.0 < found.lengths[1] < 15.0
-    assert np.abs(left[:2]).max() < np.log(1.3)
+@pytest.mark.parametrize(("shape", "length"), [(2.0, 40.0), (5.0, 25.0)])
+def test_the_slow_scale_of_a_sample_is_found(shape: float, length: float) -> None:
+    """The window averages over two lengths of 8 px: the variance of the logarithm falls by as much as the correlation over it."""
+    found = [innovations(latent(FIELD, (1, 600, 600), seed, Modulation(shape, (1.0, length, length))), FIELD).modulation for seed in (1, 2)]
+    assert all(one is not None for one in found)
+    # The Gaussian window of standard deviation w leaves 1 / (1 + 4 w² / L²) of the variance of a field of correlation exp(-(d / L)²).
+    left = 1.0 / (1.0 + 4.0 * PATCH**2 / length**2)
+    expected = polygamma(1, shape) * left
+    measured = np.mean([polygamma(1, one.shape) for one in found if one is not None])
+    assert measured == pytest.approx(expected, rel=0.3)
+    lengths = np.mean([one.lengths[1:] for one in found if one is not None])
+    assert lengths == pytest.approx(np.hypot(length, 2.0 * PATCH), rel=0.3)
 
 
-@pytest.mark.usefixtures("few")
-def test_a_gaussian_sample_needs_none() -> None:
-    data = latent(FIELD, (1, 320, 320), 7)
-    found, left = find_modulation(data, FIELD, Marginal("gaussian", 0.0, 1.0), seed=8)
-    assert found is None
-    assert abs(left[0]) < np.log(1.15)  # some 550 exceedances of each: a standard error of 6 %
+def test_gaps_have_no_noise_and_change_none_far_away() -> None:
+    x = latent(FIELD, (1, 120, 160), 8)
+    holed = x.copy()
+    holed[:, 40:50, 60:80] = np.nan
+    whole, gaps = innovations(x, FIELD), innovations(holed, FIELD)
+    assert np.isnan(gaps.values[:, 40:50, 60:80]).all()
+    far = (slice(None), slice(70, 110), slice(10, 150))
+    ratio = gaps.values[far] / whole.values[far]
+    assert float(np.median(ratio)) == pytest.approx(1.0, abs=0.01)
+    assert float(np.corrcoef(gaps.values[far].ravel(), whole.values[far].ravel())[0, 1]) > 0.9999
+
+
+def test_samples_with_noise_and_scale_keep_the_spectrum_and_their_bytes() -> None:
+    law = fit_marginal(np.random.default_rng(1).gamma(2.0, 1.0, 20_000), "empirical")
+    texture = GaussianTexture(FIELD, Marginal("gaussian", 5.0, 2.0), Modulation(2.0, (1.0, 12.0, 12.0)), law)
+    again = GaussianTexture.from_dict(texture.to_dict())
+    assert again == texture
+    assert texture.law == Law("noise", scaled=True)
+    assert again.sample((1, 64, 80), 3).tobytes() == texture.sample((1, 64, 80), 3).tobytes()
+
+
+@pytest.mark.parametrize("law", [Law("noise"), Law("noise", scaled=True), Law("empirical", scaled=True)])
+def test_a_fit_to_long_tails_has_them(law: Law) -> None:
+    """Laplacian of samples: kurtosis of the data within a fifth, where a Gaussian fit has none."""
+    noise = np.random.default_rng(6).laplace(0.0, 1.0, (1, 300, 300)).astype(np.float32)
+    data = filtered(noise, density_of(FIELD, noise.shape)) if law.tails == "noise" else np.exp(0.4 * latent(FIELD, (1, 300, 300), 7))
+    fitted = fit_texture(data, law).texture
+
+    def kurtosis(x: np.ndarray) -> float:
+        return float((interior(x) ** 4).mean()) - 3.0
+
+    sample = fitted.sample((1, 300, 300), 1)
+    assert kurtosis(sample) == pytest.approx(kurtosis(data), rel=0.25)
+    assert abs(kurtosis(fit_texture(data).texture.sample((1, 300, 300), 1))) < 0.2
+
+
+def test_values_of_a_field_that_is_not_gaussian() -> None:
+    """Quantiles of the transformed field are those of the distribution, whatever the field's own."""
+    field = latent(FIELD, (1, 512, 512), 1, Modulation(0.5, (1.0, 20.0, 20.0)))
+    wanted = fit_marginal(np.random.default_rng(2).gamma(3.0, 2.0, 50_000), "empirical")
+    other = latent(FIELD, (1, 512, 512), 9, Modulation(0.5, (1.0, 20.0, 20.0)))
+    values = of_latent(wanted, field).transform(other)
+    share = np.array([0.05, 0.3, 0.5, 0.7, 0.95])
+    plain = wanted.transform(np.random.default_rng(3).standard_normal((1, 500, 500)).astype(np.float32))
+    assert np.quantile(values, share) == pytest.approx(np.quantile(plain, share), rel=0.15)

@@ -46,7 +46,7 @@ _INDEPENDENT = f"fewer than {FEWEST_COUNTS} exceedances; the interval takes pixe
 #: Lags at which clusters are counted, over those at which z is correlated, where z has the mean and deviation of the same pixels [1].
 #:
 #: What these leave of the scatter is small within a patch and adds up over rough and calm patches.
-ESTIMATED_REACH: Final = 1.75
+ESTIMATED_REACH: Final = 1.5
 
 LONE_SHARE: Final = 0.15  #: Share of a region's exceedances above which a single row or column is examined.
 
