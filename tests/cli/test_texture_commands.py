@@ -156,6 +156,138 @@ def test_bad_data_are_refused_in_a_line(seaglint, tmp_path) -> None:
     assert seaglint("texture", "fit", tmp_path / "ramp.npy", "--detrend", "-o", tmp_path / "m.json").code == 0
 
 
+SEA = GaussianTexture(GaussMarkov(((0, 0, 1), (0, 1, 0)), (0.24, 0.22), 1.0), Marginal("gaussian", 40.0, 3.0)).sample((1, 96, 96), 5)[0]
+
+
+def spoilt() -> np.ndarray:
+    """Return a picture with an even row, a boat, and a missing pixel."""
+    image = SEA.copy()
+    image[40] = 12.0
+    image[60:63, 20:26] += 90.0
+    image[5, 7] = np.nan
+    return image
+
+
+def test_what_is_no_sea_is_left_out_and_said(seaglint, tmp_path) -> None:
+    np.save(tmp_path / "whole.npy", SEA)
+    np.save(tmp_path / "spoilt.npy", spoilt())
+    whole, model = tmp_path / "whole.json", tmp_path / "spoilt.json"
+    answer = seaglint("texture", "fit", tmp_path / "whole.npy", "-o", whole)
+    assert "left out" not in answer.out
+    answer = seaglint("texture", "fit", tmp_path / "spoilt.npy", "-o", model)
+    assert answer.code == 0, answer.err
+    for told in ("note: 1 values (0.0109 %) are left out", "note: 1 row left out (40)", "rows 58:65, columns 18:28"):
+        assert told in answer.out
+    clean, found = (json.loads(path.read_text()) for path in (whole, model))
+    assert "left_out" not in clean["source"]
+    assert found["source"]["left_out"] == {"missing": 1, "rows": 96, "objects": 70}
+    assert found["fit"]["pixels"] == 96 * 96 - 96 - 1 - 70
+    assert found["model"]["offsets"] == clean["model"]["offsets"]
+    assert found["model"]["coefficients"] == pytest.approx(clean["model"]["coefficients"], abs=0.02)
+    assert found["model"]["marginal"]["scale"] == pytest.approx(clean["model"]["marginal"]["scale"], rel=0.03)
+
+    answer = seaglint("texture", "fit", tmp_path / "spoilt.npy", "--keep-defects", "--any-region", "-o", tmp_path / "kept.json")
+    assert answer.code == 0, answer.err
+    kept = json.loads((tmp_path / "kept.json").read_text())
+    assert kept["source"]["left_out"] == {"missing": 1}
+    assert kept["model"]["marginal"]["scale"] > 1.2 * clean["model"]["marginal"]["scale"]
+
+
+def test_a_mask_leaves_pixels_out(seaglint, tmp_path) -> None:
+    np.save(tmp_path / "sea.npy", SEA)
+    mask = np.zeros(SEA.shape, bool)
+    mask[:, :20] = True
+    model = tmp_path / "m.json"
+    np.save(tmp_path / "mask.npy", mask)
+    answer = seaglint("texture", "fit", tmp_path / "sea.npy", "--mask", tmp_path / "mask.npy", "-o", model)
+    assert answer.code == 0, answer.err
+    assert "note: 1920 pixels (20.8 %) left out: the mask" in answer.out
+    assert json.loads(model.read_text())["source"]["left_out"] == {"mask": 1920}
+    # An image of the whole picture serves for a region of it.
+    from PIL import Image
+
+    Image.fromarray((255 * mask).astype(np.uint8)).save(tmp_path / "mask.png")
+    arguments = "--mask", tmp_path / "mask.png", "--region", "10:90,10:90", "--overwrite", "-o", model
+    assert seaglint("texture", "fit", tmp_path / "sea.npy", *arguments).code == 0
+    assert json.loads(model.read_text())["source"]["left_out"] == {"mask": 800}
+    for name, image, told in (
+        ("all", np.ones(SEA.shape), "all pixels of the region are masked or missing"),
+        ("most", np.arange(96)[:, None] * np.ones(96) < 60, "62 % of the region is masked or missing"),
+        ("small", np.ones((5, 5)), "a mask of 5 x 5 pixels; give one of the picture's size, 96 x 96"),
+        ("words", np.full(SEA.shape, "a"), "give numbers or true and false"),
+    ):
+        np.save(tmp_path / f"{name}.npy", image)
+        answer = seaglint("texture", "fit", tmp_path / "sea.npy", "--mask", tmp_path / f"{name}.npy", "--overwrite", "-o", model)
+        assert (answer.code, told in answer.err, answer.err.strip().count("\n")) == (2, True, 0), answer.err
+    answer = seaglint("texture", "fit", tmp_path / "sea.npy", "--mask", tmp_path / "none.npy", "--overwrite", "-o", model)
+    assert answer.code == 2
+    assert "none.npy" in answer.err
+
+
+def test_an_autobinomial_field_is_fitted_to_a_part_without_gaps(seaglint, tmp_path) -> None:
+    np.save(tmp_path / "spoilt.npy", spoilt())
+    arguments = ("--model", "autobinomial", "--levels", 4, "--order", 1, "--method", "pseudo-likelihood", "-o", tmp_path / "m.json")
+    answer = seaglint("texture", "fit", tmp_path / "spoilt.npy", *arguments)
+    assert answer.code == 0, answer.err
+    assert "rows and columns 41:96,28:96 of the region" in answer.out
+
+
+def test_both_sides_are_treated_alike(seaglint, tmp_path) -> None:
+    """A spoilt picture equals the whole one, and a model of a picture without its ramp is compared with the picture without it."""
+    np.save(tmp_path / "whole.npy", SEA)
+    np.save(tmp_path / "spoilt.npy", spoilt())
+    answer = seaglint("texture", "compare", tmp_path / "whole.npy", tmp_path / "spoilt.npy", "--json")
+    assert answer.code == 0, answer.err
+    held = json.loads(answer.out)
+    assert held["fails"] == []
+    assert [note for note in held["notes"] if "spoilt.npy: 1 row left out (40)" in note]
+    kept = json.loads(seaglint("texture", "compare", tmp_path / "whole.npy", tmp_path / "spoilt.npy", "--keep-defects", "--json").out)
+    assert kept["fails"]
+    assert [note for note in kept["notes"] if "missing" in note]
+
+    np.save(tmp_path / "ramp.npy", SEA + np.linspace(0.0, 20.0, 96))
+    assert seaglint("texture", "fit", tmp_path / "ramp.npy", "--detrend", "-o", tmp_path / "m.json").code == 0
+    answer = seaglint("texture", "compare", tmp_path / "ramp.npy", tmp_path / "m.json", "--json")
+    held = json.loads(answer.out)
+    assert held["marginal"]["ks"] < 0.1
+    assert held["correlation_distance"] < 0.1
+    assert held["notes"] == [f"slow changes of mean and contrast are taken off both: {tmp_path / 'm.json'} was fitted to data without them"]
+    assert held["likelihood"]["gain"] > 0.1
+    answer = seaglint("texture", "compare", tmp_path / "ramp.npy", tmp_path / "whole.npy")
+    assert "fails: distribution functions" in answer.out
+    answer = seaglint("texture", "compare", tmp_path / "ramp.npy", tmp_path / "whole.npy", "--detrend")
+    assert "distribution functions" not in answer.out
+    assert "note: slow changes of mean and contrast were taken off both" in answer.out
+
+
+def test_bad_data_are_refused_by_compare(seaglint, tmp_path) -> None:
+    np.save(tmp_path / "sea.npy", SEA)
+    for name, image, told in (
+        ("constant", np.ones((40, 40)), "all values are 1"),
+        ("small", SEA[:8, :8], "8 x 8 pixels are too few"),
+        ("empty", np.full((40, 40), np.nan), "all pixels of the region are masked or missing"),
+    ):
+        np.save(tmp_path / f"{name}.npy", image)
+        answer = seaglint("texture", "compare", tmp_path / "sea.npy", tmp_path / f"{name}.npy")
+        assert (answer.code, told in answer.err, f"{name}.npy" in answer.err, answer.err.strip().count("\n")) == (2, True, True, 0)
+
+
+def test_numbers_without_a_meaning_are_not_printed(seaglint, tmp_path) -> None:
+    """Whole-numbered data had hundreds of nat; a law that excludes much of the data has minus infinity."""
+    image = np.round(SEA)
+    np.save(tmp_path / "whole.npy", image)
+    model = tmp_path / "m.json"
+    answer = seaglint("texture", "fit", tmp_path / "whole.npy", "--tails", "empirical", "-o", model)
+    assert answer.code == 0, answer.err
+    held = json.loads(model.read_text())["quality"]["held_out"]
+    assert held["step"] == 1.0
+    assert -4.0 < held["log_pseudo_likelihood"] < 0.0
+    assert held["gain"] == pytest.approx(held["log_pseudo_likelihood"] - held["independent_pixels"], abs=0.05)
+    np.save(tmp_path / "far.npy", image + 200.0)
+    answer = seaglint("texture", "compare", tmp_path / "far.npy", model)
+    assert "log pseudo-likelihood per pixel of the data: none (100 % of the pixels have values that" in answer.out
+
+
 def test_a_texture_stands_in_for_a_rendered_sequence(seaglint, model, tmp_path, monkeypatch) -> None:
     """With a map whose mean and deviation are known: the sequence has them, and nothing moves above the horizon."""
     scenario = tmp_path / "my.toml"

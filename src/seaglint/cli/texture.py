@@ -178,7 +178,9 @@ def fit_lines(result: Fitted) -> list[str]:
     else:
         value, alone = held_out.log_pseudo_likelihood, held_out.independent_pixels
         gain = "" if held_out.gain is None else f"; {held_out.gain:+.4g} nat by the neighbours"
-        out.append(f"held-out log pseudo-likelihood per pixel {value:.4g} (independent pixels {alone:.4g}{gain})")
+        out.append(
+            f"held-out log pseudo-likelihood per pixel {value:.4g} (independent pixels {alone:.4g}{gain}){_outside(held_out.outside)}"
+        )
     out += comparison_lines(result.comparison.distances)
     for entry in () if result.gaussian is None else result.gaussian.distances.filtered_rates:
         out.append(f"  a Gaussian field, {entry.threshold_sigma:g} sigma: {entry.ratio.text} times the data's rate")
@@ -233,12 +235,17 @@ def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | N
         out.append(f"  log pseudo-likelihood per pixel of the data: none ({likelihood.reason})")
     elif likelihood is not None:
         gain = "" if likelihood.gain is None else f" ({likelihood.gain:+.4g} nat by the neighbours)"
-        out.append(f"  log pseudo-likelihood per pixel of the data: {likelihood.log_pseudo_likelihood:.4g}{gain}")
+        value = f"{likelihood.log_pseudo_likelihood:.4g}{gain}{_outside(likelihood.outside)}"
+        out.append(f"  log pseudo-likelihood per pixel of the data: {value}")
     out += [f"  fails: {sentence}" for sentence in distances.fails]
     out += [f"  undecided: {sentence}" for sentence in distances.undecided]
     if not distances.fails:
         out.append("  no difference is beyond its limit" if distances.undecided else "  all differences are within their limits")
     return out
+
+
+def _outside(share: float | None) -> str:
+    return f", without {100.0 * share:.2g} % of the pixels, which the distribution excludes" if share else ""
 
 
 def _frames(count: int) -> str:

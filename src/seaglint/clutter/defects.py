@@ -373,12 +373,13 @@ def _grown(height: FloatArray, left: FloatArray, place: tuple[int, int], next_pe
     """Return the connected pixels around a peak that are above half of the largest peak of the sea; nothing where there are too many."""
     from scipy.ndimage import label
 
-    # The averages of a wide square reach beyond a small object: its own pixels are those that stand out themselves.
     for least in (0.5 * next_peak, next_peak, 0.5 * (next_peak + float(height[place]))):
-        labels, _ = label((height > least) & ((left > least) | (height > next_peak)), np.ones((3, 3)))
-        if not labels[place]:
-            continue
+        labels, _ = label(height > least, np.ones((3, 3)))
         part = labels == labels[place]
+        # Averages reach beyond a small object: its own pixels are those that stand out themselves, unless the object is faint.
+        own = part & (left > max(least, 0.15 * float(left[part].max())))
+        if np.count_nonzero(own) >= 0.1 * np.count_nonzero(part & (height > next_peak)):
+            part = own
         sides = sorted(int(np.ptp(line)) + 1 for line in np.nonzero(part))
         if np.count_nonzero(part) <= LARGEST_OBJECT and sides[1] <= min(LONGEST, SLENDER * sides[0]):
             return np.asarray(part)

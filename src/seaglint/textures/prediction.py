@@ -27,7 +27,7 @@ from seaglint.textures.gauss_markov import conditional
 from seaglint.textures.gaussian_texture import GaussianTexture
 from seaglint.textures.marginals import REACH, Marginal
 
-MOST_OUTSIDE: Final = 1e-3  #: Largest share of pixels that the fitted law excludes.
+MOST_OUTSIDE: Final = 0.02  #: Largest share of pixels that the fitted law excludes and that are left out of the mean.
 
 FEW: Final = 1e-3  #: Share of the least probable pixels.
 
@@ -38,6 +38,8 @@ LEAST_STEP: Final = 1e-3
 
 #: Width over which the density of an empirical law is averaged, in conditional standard deviations: the error is below 0.001 nat.
 WIDTH: Final = 0.1
+
+RAREST: Final = 1e-12  #: Probability of a step below which the fitted law excludes it: what lies beyond the table of quantiles.
 
 SAMPLED: Final = 200_000  #: Number of pixels among which the step is searched.
 
@@ -109,11 +111,16 @@ def predict(texture: GaussianTexture, data: ArrayLike) -> Prediction:
         own = -0.5 * math.log(2.0 * math.pi * field.variance) - 0.5 * (actual - expected) ** 2 / field.variance
         alone = -0.5 * math.log(2.0 * math.pi) - 0.5 * actual**2
         kept = valid & ~outside
-        density = float(np.mean(own[np.isfinite(own)])) - float(np.mean(slopes[kept])) if np.isfinite(own).any() else math.nan
+        squares = ((actual - expected) ** 2)[np.isfinite(own)]
+        density = (
+            -0.5 * math.log(2.0 * math.pi * field.variance) - 0.5 * float(np.mean(squares)) / field.variance if squares.size else math.nan
+        )
+        density -= float(np.mean(slopes[kept])) if kept.any() else math.nan
     else:
         width = step or WIDTH * math.sqrt(field.variance * marginal.variance)
         low, high, middle = _step_ends(marginal, x, width, centred=step is not None)
-        outside = valid & ~(_log_between(low, high) > math.log(1e-12))
+        # A Gaussian law excludes nothing.
+        outside = valid & (marginal.kind != "gaussian") & ~(_log_between(low, high) > math.log(RAREST))
         expected, actual = conditional(field, np.where(outside, np.nan, middle))
         inside = tuple(slice(r, n - r) for r, n in zip(field.reach, x.shape, strict=True))
         deviation = math.sqrt(field.variance)
@@ -133,7 +140,7 @@ def _nonsense(marginal: Marginal, share: float, gains: FloatArray) -> str | None
     """Return the reason why a mean has no meaning; None if it has one."""
     if share > MOST_OUTSIDE:
         return (
-            f"{100.0 * share:.2g} % of the pixels have values that the fitted {marginal.kind} distribution excludes: "
+            f"{100.0 * share:.3g} % of the pixels have values that the fitted {marginal.kind} distribution excludes: "
             "their probability is 0, and the logarithm has no mean"
         )
     if not gains.size:
@@ -174,7 +181,7 @@ def _step_ends(marginal: Marginal, x: FloatArray, width: float, *, centred: bool
         weight = np.exp(_log_between(g[0], g[1]))
         with np.errstate(invalid="ignore", divide="ignore", under="ignore"):
             density = [np.exp(-0.5 * end**2) / math.sqrt(2.0 * math.pi) for end in g]
-            middle = np.where(weight > 1e-12, (density[0] - density[1]) / weight, np.nan)
+            middle = np.where(weight > RAREST, (density[0] - density[1]) / weight, _latent(marginal, levels)[0])
     else:
         middle = _latent(marginal, levels)[0]
     shape = x.shape
