@@ -39,7 +39,7 @@ def test_fit_sample_compare(seaglint, recording, tmp_path) -> None:
     told = "--frame-rate", 50, "--units", "W m-2 sr-1"
     answer = seaglint("texture", "fit", recording, "--tails", "gamma", *told, "-o", model)
     assert answer.code == 0, answer.err
-    assert "the Gaussian field, 3.5 sigma" in answer.out
+    assert "a Gaussian field, 3.5 sigma" in answer.out
     held = json.loads(model.read_text())
     assert held["version"] == 1
     assert sorted(map(tuple, held["model"]["offsets"])) == [(0, 0, 1), (0, 1, 0), (1, 0, 1)]
@@ -251,13 +251,13 @@ def test_both_sides_are_treated_alike(seaglint, tmp_path) -> None:
     held = json.loads(answer.out)
     assert held["marginal"]["ks"] < 0.1
     assert held["correlation_distance"] < 0.1
-    assert held["notes"] == [f"slow changes of mean and contrast are taken off both: {tmp_path / 'm.json'} was fitted to data without them"]
+    assert held["notes"] == [f"slow changes of the mean are taken off both: {tmp_path / 'm.json'} was fitted to data without them"]
     assert held["likelihood"]["gain"] > 0.1
     answer = seaglint("texture", "compare", tmp_path / "ramp.npy", tmp_path / "whole.npy")
     assert "fails: distribution functions" in answer.out
     answer = seaglint("texture", "compare", tmp_path / "ramp.npy", tmp_path / "whole.npy", "--detrend")
     assert "distribution functions" not in answer.out
-    assert "note: slow changes of mean and contrast were taken off both" in answer.out
+    assert "note: slow changes of the mean were taken off both" in answer.out
 
 
 def test_bad_data_are_refused_by_compare(seaglint, tmp_path) -> None:

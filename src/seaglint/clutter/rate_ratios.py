@@ -119,9 +119,12 @@ def rate_ratio(first: FalseAlarmRate, second: FalseAlarmRate) -> RateRatio:
     exact = min(first.exceedances, second.exceedances) < FEWEST_COUNTS
     part = 0.0 if exact else 0.5
 
-    def end(b: float) -> float:
-        return pixels * b / (1.0 - b)
-
-    low = end(float(betaincinv(k2 + part, k1 + 1.0 - part, tail))) if second.exceedances else 0.0
-    high = end(float(betaincinv(k2 + 1.0 - part, k1 + part, 1.0 - tail))) if first.exceedances else None
+    # Both ends from the small tail of their share, which keeps its digits.
+    low, high = 0.0, None
+    if second.exceedances:
+        share = float(betaincinv(k2 + part, k1 + 1.0 - part, tail))
+        low = pixels * share / (1.0 - share)
+    if first.exceedances:
+        share = float(betaincinv(k1 + part, k2 + 1.0 - part, tail))
+        high = pixels * (1.0 - share) / share if share > 0.0 else None
     return RateRatio(value, low, high, level)
