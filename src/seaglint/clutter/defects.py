@@ -154,6 +154,9 @@ def find_defects(
 ) -> Defects:
     """Search the pixels of a picture or sequence that are no sea.
 
+    The m largest peaks ``x_1 > ... > x_m`` are objects if ``E[S(x_m - x_(m+1))^m] < 0.002``, S the generalised Pareto survival of excesses
+    over ``x_(m+1)`` and E the mean over its uncertain shape and scale (Pickands 1975, Ann. Stat. 3, 119).
+
     Parameters
     ----------
     frames : array_like, shape (rows, columns) or (frames, rows, columns)
