@@ -64,8 +64,8 @@ def rendered(folder: Path, **wind: float) -> Recording:
 
 
 def judged(recording: Recording, region: str | None, *, detrend: bool = False) -> Fitted:
-    """A gamma texture, of the picture as it is or with slow changes taken off."""
-    return fit(recording, FitRequest(tails="gamma", region=region, any_region=True, detrend=detrend))
+    """A gamma texture, of the picture as it is, the boat included, or with slow changes taken off."""
+    return fit(recording, FitRequest(tails="gamma", region=region, any_region=True, detrend=detrend, keep_defects=True))
 
 
 def held_out(recording: Recording, region: str | None, *, detrend: bool = False) -> list[tuple[float | None, float | None]]:

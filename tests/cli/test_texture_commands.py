@@ -245,7 +245,7 @@ def test_both_sides_are_treated_alike(seaglint, tmp_path) -> None:
     assert kept["fails"]
     assert [note for note in kept["notes"] if "missing" in note]
 
-    np.save(tmp_path / "ramp.npy", SEA + np.linspace(0.0, 20.0, 96))
+    np.save(tmp_path / "ramp.npy", SEA + np.linspace(-10.0, 10.0, 96))
     assert seaglint("texture", "fit", tmp_path / "ramp.npy", "--detrend", "-o", tmp_path / "m.json").code == 0
     answer = seaglint("texture", "compare", tmp_path / "ramp.npy", tmp_path / "m.json", "--json")
     held = json.loads(answer.out)

@@ -61,7 +61,7 @@ PEAKS: Final = (20, 250)  #: Least and largest number of peaks that the law of t
 
 LEAST_GAP: Final = 1.15  #: Least ratio of two peaks with an object's gap between them.
 
-#: Probability of a gap by chance below which there is an object; in 1000 fields without objects 0.5 % have a smaller one.
+#: Probability of a gap by chance below which there is an object, of each width, sign and number of objects.
 BY_CHANCE: Final = 2e-3
 
 #: Mean and standard deviation of the shape of the Pareto law before the data: 0 is a Gaussian sea, 0.3 one of sparse glints.
@@ -153,6 +153,9 @@ def find_defects(
     frames: ArrayLike, *, origin: tuple[int, int] = (0, 0), borders: tuple[bool, bool, bool, bool] = (True, True, True, True)
 ) -> Defects:
     """Search the pixels of a picture or sequence that are no sea.
+
+    The m largest peaks ``x_1 > ... > x_m`` are objects if ``E[S(x_m - x_(m+1))^m] < 0.002``, S the generalised Pareto survival of excesses
+    over ``x_(m+1)`` and E the mean over its uncertain shape and scale (Pickands 1975, Ann. Stat. 3, 119).
 
     Parameters
     ----------
@@ -256,7 +259,9 @@ def _unlike(y: FloatArray, borders: tuple[bool, bool]) -> BoolArray:
     both[1:-1] = np.minimum(step[:-1], step[1:])
     lone = np.zeros(n, np.bool_)
     lone[_lone(y)] = True
-    for k in np.flatnonzero(np.isfinite(both)):
+    # Most lines need no comparison with the lines around: a bad line differs from both beside, and from most.
+    least = LONE_STEP * np.maximum(np.concatenate([[np.inf], wide, [np.inf]]) / 2.0, 0.5 * float(np.median(step[used])))
+    for k in np.flatnonzero(both > least):
         near = np.concatenate([step[max(k - AROUND, 0) : max(k - 1, 0)], step[k + 1 : k + AROUND]])
         near = near[np.isfinite(near)]
         if near.size < AROUND // 2:
@@ -328,6 +333,8 @@ def _blurred(x: FloatArray, ok: BoolArray, sigma: float) -> tuple[FloatArray, Fl
     """Return Gaussian averages over the pixels that count, and their share of the weight."""
     from scipy.ndimage import gaussian_filter
 
+    if ok.all():
+        return gaussian_filter(x, sigma, mode="nearest", truncate=3.0), np.ones(x.shape)
     share = gaussian_filter(ok.astype(np.float64), sigma, mode="nearest", truncate=3.0)
     total = gaussian_filter(np.where(ok, x, 0.0), sigma, mode="nearest", truncate=3.0)
     return total / np.maximum(share, 1e-9), share

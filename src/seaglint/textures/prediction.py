@@ -85,6 +85,9 @@ def data_step(values: ArrayLike) -> float | None:
 def predict(texture: GaussianTexture, data: ArrayLike) -> Prediction:
     """Evaluate how well neighbours predict the pixels of data; the slow field is not used.
 
+    ``L = mean(log N(g; m, v) - log dQ/dg)`` for pixels ``x = Q(g)``, m the expected g given the neighbours (Besag 1975, Statistician 24,
+    179), and ``L = mean(log(P / h))`` for data of a step h, P the probability of the step. The gain is L less the same with N(0, 1).
+
     Parameters
     ----------
     texture : GaussianTexture
