@@ -188,8 +188,13 @@ def _dullness(of: Sparkle) -> tuple[str, bool]:
     """Reason why the fine structure is not a corridor's, or an empty text, and whether it fails narrowly."""
     drop = of.skewness_beside - of.skewness_within
     skewed = of.skewness_within > LEAST_SKEWNESS and of.skewness_beside > LEAST_SKEWNESS
-    if of.saturated >= SATURATED and skewed and of.structure_ratio < MOST_STRUCTURE_SATURATED * of.brightness_ratio:
-        return "", False
+    if of.saturated >= SATURATED:
+        # A ceiling lowers the skewness of any texture.
+        if skewed and of.structure_ratio < MOST_STRUCTURE_SATURATED * of.brightness_ratio:
+            return "", False
+        share = f"{100 * of.saturated:.2g} % of the brighter part saturated"
+        ratio = f"{of.structure_ratio:.2f} times the structure and {of.brightness_ratio:.2f} times the brightness of the background"
+        return f"{share}, with {ratio}: a gain or haze would do so", False
     if of.structure_ratio >= DEEPEST_SHADE and of.skewness_within > 0.0:
         return "", False
     sure = of.skewness_beside >= LEAST_SKEWNESS and drop >= SURE * of.error
