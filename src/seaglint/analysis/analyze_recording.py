@@ -191,7 +191,7 @@ def analyze(recording: Recording, options: AnalysisOptions | None = None, progre
     passes = Passes(progress, recording.frames, 2 + (given.scope == "sequence") + len(given.detectors))
     first = survey(recording, passes.read)
     passes.end()
-    segmentation, masks, notes, names = _regions(first, rows, given)
+    segmentation, masks, notes, names = _regions(first, recording, rows, given)
     thresholds = tuple(sorted({*ALWAYS, *given.thresholds}))
     counted, border_notes = _interior(recording, given, masks["all"])
     results, slices = _count(recording, given, first, masks, counted, thresholds, passes)
@@ -263,7 +263,7 @@ def _row_mask(recording: Recording, shares: tuple[float, float]) -> BoolArray:
 
 
 def _regions(
-    first: Survey, rows: BoolArray, options: AnalysisOptions
+    first: Survey, recording: Recording, rows: BoolArray, options: AnalysisOptions
 ) -> tuple[Segmentation, dict[str, BoolArray], list[str], tuple[str, ...]]:
     """Return the segmentation, masks by name, notes, and all names; a region that is too small has no mask and is noted."""
     good = (first.moments.count > 0) & ~first.dead & rows
@@ -278,7 +278,7 @@ def _regions(
         segmentation = Segmentation(nothing, nothing, nothing, False, method="no segmentation (no_glint)", reason="none was looked for")
         parts = {}
     else:
-        segmentation = _segmented(first, options.mask)
+        segmentation = _segmented(first, recording, options.mask)
         parts = {"glint": segmentation.glint, "background": segmentation.background}
         if options.mask is not None and (options.mask.all() or not options.mask.any()):
             notes.append(
@@ -299,16 +299,18 @@ def _regions(
     return segmentation, masks, notes, ("all", *parts)
 
 
-def _segmented(first: Survey, mask: BoolArray | None) -> Segmentation:
+def _segmented(first: Survey, recording: Recording, mask: BoolArray | None) -> Segmentation:
     """Return the corridor of a mask, or the one that is found in the survey's pictures."""
     if mask is not None:
         return Segmentation(mask, ~mask, np.zeros_like(mask), True, method="mask given")
     # The segmentation needs the whole picture, whatever rows are analysed: it recognises the sky at the top.
     image, std, frame = (np.where(first.dead, np.nan, layer) for layer in (first.moments.image, first.moments.std, first.frame))
+    image, frame = image + recording.offset, frame + recording.offset
+    radiance = bool(recording.units and recording.units.startswith("W") and "sr-1" in recording.units)
     if int(first.moments.count.max()) < 2:
-        return segment(image)
+        return segment(image, radiance=radiance)
     # A frame with gaps says less of the fine structure than the mean.
-    return segment(image, std, frame if 2 * np.isfinite(frame).sum() > np.isfinite(image).sum() else None)
+    return segment(image, std, frame if 2 * np.isfinite(frame).sum() > np.isfinite(image).sum() else None, radiance=radiance)
 
 
 def _blocks(recording: Recording, dead: BoolArray, prepare: Callable[[FrameArray], Prepared]) -> Iterator[Prepared]:

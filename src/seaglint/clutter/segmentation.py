@@ -18,7 +18,8 @@ The candidate is a corridor if all of these hold:
   the skewness where the gain is low. Glints are sparse beside a corridor and dense within it: the skewness is positive beside it and lower
   within, where the structure is nevertheless stronger. Haze weakens structure. A saturated corridor loses this; it needs
   saturated pixels, structure that is skewed to the bright, and structure that rises less than the brightness. A low Sun leaves the sea
-  beside the corridor so dark that no gain explains the ratio.
+  beside the corridor so dark that no gain explains the ratio. Of radiances, whose zero is known, a gain raises structure and brightness
+  alike; structure that rises more is glint too.
 
 A candidate that fails only narrowly is no corridor either, and the reason states it.
 """
@@ -46,6 +47,7 @@ LEAST_SPARKLE = (0.30, 0.20)  # difference of skewnesses; textures under vignett
 LEAST_STRUCTURE = (1.10, 0.90)  # of the background's; haze and saturation weaken it
 LEAST_SKEWNESS = 0.25  # beside a corridor
 DEEPEST_SHADE = 6.0  # ratio of structure that no gain makes: the cos^4 law at 50 degrees from the axis
+MORE_THAN_GAIN = 1.3  # of the ratio of radiances; unknown gradients of a gain within tiles change it by less than 1.1
 SURE = 3.0  # standard errors of the difference of skewnesses
 SATURATED = 0.01  # share of the candidate's pixels at the ceiling
 MOST_STRUCTURE_SATURATED = 0.75  # of the brightness's ratio: a gain raises both alike
@@ -56,7 +58,9 @@ class Sparkle:
     """Fine structure of the candidate and of the sea beside it, in tiles of the same rows."""
 
     structure_ratio: float = np.nan  #: Standard deviation in the candidate over its value beside it [1].
-    brightness_ratio: float = np.nan  #: Brightness above the darkest sea, in the candidate over its value beside it [1].
+    #: Brightness, above zero in radiances and otherwise above the darkest sea, in the candidate over its value beside it [1].
+    brightness_ratio: float = np.nan
+    radiance: bool = False  #: Whether values are radiances.
     skewness_within: float = np.nan  #: Skewness in the candidate [1].
     skewness_beside: float = np.nan  #: Skewness beside the candidate [1].
     error: float = np.nan  #: Standard error of the difference of both skewnesses [1].
@@ -89,7 +93,9 @@ class Segmentation:
         return plain(values | {"reason": self.reason or None, "sky_pixels": int(self.sky.sum())})
 
 
-def segment(mean: ArrayLike, std: ArrayLike | None = None, frame: ArrayLike | None = None) -> Segmentation:
+def segment(
+    mean: ArrayLike, std: ArrayLike | None = None, frame: ArrayLike | None = None, *, radiance: bool = False
+) -> Segmentation:
     """Find the glint corridor in a picture.
 
     Parameters
@@ -100,6 +106,8 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None, frame: ArrayLike | No
         Standard deviation over time of each pixel, same unit; it makes the corridor of a sequence much clearer.
     frame : array_like, shape (rows, columns), optional
         One frame of the sequence, whose fine structure is not averaged over time; by default ``mean``.
+    radiance : bool
+        Whether values are radiances: 0 is no light. The level of other values is unknown.
 
     Returns
     -------
@@ -138,7 +146,7 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None, frame: ArrayLike | No
     contrast = _contrast(image[sea], candidate, valid[sea], excess)
     # without contrast there is no step to take a share of
     step = _border_step(image[sea], candidate, valid[sea]) if contrast >= LEAST_CONTRAST[1] else float("nan")
-    sparkle = _sparkle((image if single is None else single)[sea], candidate, valid[sea])
+    sparkle = _sparkle((image if single is None else single)[sea], candidate, valid[sea], radiance)
     reason = _refusal(symmetry, contrast, step, sparkle)
     glint = nothing.copy()
     if not reason:
@@ -186,7 +194,6 @@ def _refusal(symmetry: float, contrast: float, step: float, sparkle: Sparkle) ->
 
 def _dullness(of: Sparkle) -> tuple[str, bool]:
     """Reason why the fine structure is not a corridor's, or an empty text, and whether it fails narrowly."""
-    drop = of.skewness_beside - of.skewness_within
     skewed = of.skewness_within > LEAST_SKEWNESS and of.skewness_beside > LEAST_SKEWNESS
     if of.saturated >= SATURATED:
         # A ceiling lowers the skewness of any texture.
@@ -197,7 +204,13 @@ def _dullness(of: Sparkle) -> tuple[str, bool]:
         return f"{share}, with {ratio}: a gain or haze would do so", False
     if of.structure_ratio >= DEEPEST_SHADE and of.skewness_within > 0.0:
         return "", False
-    sure = of.skewness_beside >= LEAST_SKEWNESS and drop >= SURE * of.error
+    if of.radiance and of.structure_ratio >= max(MORE_THAN_GAIN * of.brightness_ratio, LEAST_STRUCTURE[0]):
+        return "", False
+    # A gain G over a texture and noise leaves a third moment of G^3: skewness beside is between (structure/G)^3 times its value within and it.
+    gain = min(of.brightness_ratio, DEEPEST_SHADE)
+    denser = of.skewness_beside - of.skewness_within if of.skewness_beside >= LEAST_SKEWNESS else 0.0
+    drop = max(denser, of.skewness_within * min(of.structure_ratio / gain, 1.0) ** 3 - of.skewness_beside)
+    sure = drop >= SURE * of.error
     if sure and drop >= LEAST_SPARKLE[0] and of.structure_ratio >= LEAST_STRUCTURE[0]:
         return "", False
     close = sure and drop >= LEAST_SPARKLE[1] and of.structure_ratio >= LEAST_STRUCTURE[1]
@@ -334,7 +347,7 @@ def _peak(excess: FloatArray) -> tuple[float, float]:
     return float(explained[best]) / total, float(columns * axes[fades][best])
 
 
-def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray) -> Sparkle:
+def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray, radiance: bool) -> Sparkle:
     """Return the fine structure of tiles in the candidate and of tiles beside it, compared row by row of tiles."""
     # Lines at the border of the picture are often frames that programs drew.
     border = 4
@@ -366,7 +379,7 @@ def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray) -> Spark
     )
     weight = np.array([min(within[row].sum(), beside[row].sum()) for row in both], dtype=np.float64)
     weight /= weight.sum()
-    darkest = float(np.quantile(_smoothed(frame, used, 2.0)[used], 0.002))
+    darkest = 0.0 if radiance else float(np.quantile(known[used] - fine[used], 0.002))
     above = np.maximum(weight @ pairs[:, 0] - darkest, 0.0)
     drop = pairs[:, 2, 1] - pairs[:, 2, 0]
     # Tile rows are independent; their number is that of equal weights.
@@ -378,6 +391,7 @@ def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray) -> Spark
         skewness_beside=float(weight @ pairs[:, 2, 1]),
         error=float(np.sqrt(spread)),
         saturated=saturated,
+        radiance=radiance,
     )
 
 
