@@ -372,7 +372,7 @@ def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray, radiance
     saturated = float(np.mean(frame[inside] >= frame[used].max())) if inside.any() else 0.0
     if both.size < 2:
         return Sparkle(saturated=saturated)
-    skewness = third / np.maximum(variance, np.finfo(float).tiny) ** 1.5
+    skewness = third / np.where(good, variance, 1.0) ** 1.5
     # Medians over tiles leave out ships and other single objects.
     pairs = np.array(
         [[[np.median(values[row, part[row]]) for part in (within, beside)] for values in (level, variance, skewness)] for row in both]
