@@ -50,7 +50,7 @@ DEEPEST_SHADE = 6.0  # ratio of structure that no gain makes: the cos^4 law at 5
 MORE_THAN_GAIN = 1.3  # of the ratio of radiances; unknown gradients of a gain within tiles change it by less than 1.1
 SURE = 3.0  # standard errors of the difference of skewnesses
 SATURATED = 0.01  # share of the candidate's pixels at the ceiling
-MOST_STRUCTURE_SATURATED = 0.75  # of the brightness's ratio: a gain raises both alike
+MOST_STRUCTURE_SATURATED = 0.85  # of the brightness's ratio: a gain raises both alike
 
 
 @dataclass(frozen=True)
@@ -356,11 +356,11 @@ def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray, radiance
     known = np.where(used, frame, 0.0)
     fine = known - _smoothed(frame, used, 2.0)
     side = max(min(frame.shape) // 8, 8)
-    rows, columns = (size // side for size in frame.shape)
+    first_rows, first_columns = (np.linspace(0, size, size // side, endpoint=False).astype(int) for size in frame.shape)
 
     def tiles(values: FloatArray) -> FloatArray:
-        cut = np.where(used, values, 0.0)[: rows * side, : columns * side].reshape(rows, side, columns, side)
-        return np.asarray(cut.sum(axis=(1, 3)))
+        sums = np.add.reduceat(np.where(used, values, 0.0), first_rows, axis=0)
+        return np.asarray(np.add.reduceat(sums, first_columns, axis=1))
 
     count = tiles(np.ones(frame.shape))
     layers = candidate.astype(np.float64), known, fine**2, fine**3
