@@ -184,7 +184,9 @@ def test_a_dead_row_changes_no_verdict() -> None:
 
 
 def test_a_clip_of_two_frames_is_answered() -> None:
-    found = analyze(Recording("two", 2, 64, 96, lambda a, b: np.random.default_rng(3).normal(1.0, 0.1, (2, 64, 96)).astype(np.float32)[a:b]))
+    found = analyze(
+        Recording("two", 2, 64, 96, lambda a, b: np.random.default_rng(3).normal(1.0, 0.1, (2, 64, 96)).astype(np.float32)[a:b])
+    )
     assert set(found.regions) == {"all", "background"}
 
 

@@ -89,9 +89,15 @@ class AnalysisOptions:
         for name, value, allowed in (("scope", self.scope, get_args(Scope)), ("border", self.border, get_args(Border))):
             if value not in allowed:
                 raise DataError(f"{name} = {value!r} is not one of {', '.join(allowed)}; give one of them or leave it out")
-        ways = [name for name, value in (("mask", self.mask), ("no_glint", self.no_glint or None), ("regions", self.regions)) if value is not None]
+        ways = [
+            name
+            for name, value in (("mask", self.mask), ("no_glint", self.no_glint or None), ("regions", self.regions))
+            if value is not None
+        ]
         if len(ways) > 1:
-            raise DataError(f"{' and '.join(ways)} exclude each other: regions are made in one way; give one of them")
+            raise DataError(
+                f"{' and '.join(f'`{name}`' for name in ways)} exclude each other; give one of them"
+            )
 
 
 @dataclass(frozen=True)
@@ -272,7 +278,9 @@ def _regions(
     notes: list[str] = []
     if options.regions is not None:
         parts, notes = given_regions(options.regions, *good.shape)
-        segmentation = Segmentation(nothing, nothing, nothing, False, method=f"regions given: {', '.join(parts)}", reason="regions are given")
+        segmentation = Segmentation(
+            nothing, nothing, nothing, False, method=f"regions given: {', '.join(parts)}", reason="regions are given"
+        )
         required = True
     elif options.no_glint:
         segmentation = Segmentation(nothing, nothing, nothing, False, method="no segmentation (no_glint)", reason="none was looked for")

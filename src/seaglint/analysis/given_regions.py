@@ -49,7 +49,9 @@ def given_regions(given: Any, rows: int, columns: int) -> tuple[dict[str, BoolAr
         raise DataError(f"regions: no pixel is in any region; {_FORMS}")
     shared = {pair: int((masks[pair[0]] & masks[pair[1]]).sum()) for pair in combinations(masks, 2)}
     return masks, [
-        f"regions {first} and {second} share {count} pixels, which are counted in both" for (first, second), count in shared.items() if count
+        f"regions {first} and {second} share {count} pixels, which are counted in both"
+        for (first, second), count in shared.items()
+        if count
     ]
 
 

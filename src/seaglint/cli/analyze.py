@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 
 @takes_records(
-    order="recording as_json report frame_rate units mask no_glint regions rows filter kernel signature thresholds scope detectors time_limit "
-    "variable channel axes missing saturation border raw seed"
+    order="recording as_json report frame_rate units mask no_glint regions rows filter kernel signature thresholds scope detectors "
+    "time_limit variable channel axes missing saturation border raw seed"
 )
 def analyze(
     recording: Annotated[

@@ -76,11 +76,12 @@ class Segmentation:
     background: BoolArray  #: Sea beside the corridor, (rows, columns).
     sky: BoolArray  #: Sky, (rows, columns).
     found: bool  #: Whether there is a corridor.
-    symmetry: float = np.nan  #: Share of the envelope's variation along rows that a peak about a vertical axis explains [1]; NaN if unknown.
+    #: Share of the envelope's variation along rows that a peak about a vertical axis explains [1]; NaN if not decidable.
+    symmetry: float = np.nan
     axis_column: float = np.nan  #: Column of this axis [px]; outside the picture where half of a corridor or less is seen.
     contrast: float = np.nan  #: Mean of the candidate above the background's in standard deviations of the background's pixels [1].
-    #: Step of brightness within the envelope's length of the border over the step between the inner half of the candidate and the outer half
-    #: of the background [1]; NaN without a border, or with less contrast than a corridor has.
+    #: Step of brightness within the envelope's length of the border over the step between the inner half of the candidate and the outer
+    #: half of the background [1]; NaN without a border, or with less contrast than a corridor has.
     border_step: float = np.nan
     sparkle: Sparkle = Sparkle()  #: Fine structure within the candidate and beside it.
     reason: str = ""  #: Reason for the absence of a corridor; empty if there is one.
@@ -93,9 +94,7 @@ class Segmentation:
         return plain(values | {"reason": self.reason or None, "sky_pixels": int(self.sky.sum())})
 
 
-def segment(
-    mean: ArrayLike, std: ArrayLike | None = None, frame: ArrayLike | None = None, *, radiance: bool = False
-) -> Segmentation:
+def segment(mean: ArrayLike, std: ArrayLike | None = None, frame: ArrayLike | None = None, *, radiance: bool = False) -> Segmentation:
     """Find the glint corridor in a picture.
 
     Parameters
@@ -206,7 +205,8 @@ def _dullness(of: Sparkle) -> tuple[str, bool]:
         return "", False
     if of.radiance and of.structure_ratio >= max(MORE_THAN_GAIN * of.brightness_ratio, LEAST_STRUCTURE[0]):
         return "", False
-    # A gain G over a texture and noise leaves a third moment of G^3: skewness beside is between (structure/G)^3 times its value within and it.
+    # A gain G over a texture with noise multiplies the third moment by G^3: the skewness beside is between (structure / G)^3 times the
+    # skewness within and the skewness within.
     gain = min(of.brightness_ratio, DEEPEST_SHADE)
     denser = of.skewness_beside - of.skewness_within if of.skewness_beside >= LEAST_SKEWNESS else 0.0
     drop = max(denser, of.skewness_within * min(of.structure_ratio / gain, 1.0) ** 3 - of.skewness_beside)

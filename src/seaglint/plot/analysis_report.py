@@ -119,13 +119,17 @@ def _segmentation(results: JsonObject) -> str:
     result = results["segmentation"]
     text = f"Method: {result['method']}."
     if result["symmetry"] is not None:
-        text += f" A peak about the vertical axis at column {number(result['axis_column'])} explains {100 * result['symmetry']:.0f} % of the "
+        text += (
+            f" A peak about the vertical axis at column {number(result['axis_column'])} explains {100 * result['symmetry']:.0f} % of the "
+        )
         text += f"variation along rows (of a corridor at least {100 * LEAST_SYMMETRY[0]:.0f} %), contrast {number(result['contrast'])} "
         text += f"standard deviations of the background (at least {LEAST_CONTRAST[0]:g})"
         step, fine = result["border_step"], result["sparkle"]
         text += "." if step is None else f", {100 * step:.0f} % of the step at the border (at most {100 * SHARPEST_BORDER[0]:.0f} %)."
         if fine["structure_ratio"] is not None:
-            text += f" Fine structure {number(fine['structure_ratio'])} times the background's, skewness {number(fine['skewness_within'], 2)} "
+            text += (
+                f" Fine structure {number(fine['structure_ratio'])} times the background's, skewness {number(fine['skewness_within'], 2)} "
+            )
             text += f"within and {number(fine['skewness_beside'], 2)} beside."
     if result["reason"]:
         text += f" No corridor: {result['reason']}."

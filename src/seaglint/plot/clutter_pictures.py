@@ -112,7 +112,7 @@ def draw_regions(analysis: Analysis) -> Figure:
     used = analysis.regions["all"].mask
     low, high = scale_limits(analysis.image[used])
     image = axes.imshow(analysis.image, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
-    handles = []
+    handles: list[Line2D] = []
     outlines = [
         (name, colour_of(analysis, name), region.mask) for name, region in analysis.regions.items() if name not in ("all", "background")
     ]

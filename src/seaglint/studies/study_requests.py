@@ -126,8 +126,8 @@ TIME_LIMIT: Final = Parameter(
 class AnalysisRequest(ReadingRequest):
     """Request to analyse a recording.
 
-    ``mask``, ``regions``, ``kernel`` and ``signature`` are arrays or :class:`~seaglint.studies.study_requests.WeightsFile`; filter and detectors are
-    names, or objects of :mod:`seaglint.clutter.filters` and ``seaglint.detection``.
+    ``mask``, ``regions``, ``kernel`` and ``signature`` are arrays or :class:`~seaglint.studies.study_requests.WeightsFile`, regions
+    also a path; filter and detectors are names, or objects of :mod:`seaglint.clutter.filters` and ``seaglint.detection``.
     """
 
     mask: Annotated[
