@@ -60,7 +60,23 @@ FRAMES = 5
 SHADES = 150
 """Random pictures of each kind without glint."""
 
-EARLIER: dict[str, tuple[int, float]] = {}
+EARLIER: dict[str, tuple[int, float]] = {
+    "corridor, 3.5-5 µm, one frame": (7, 0.573),
+    "corridor, 3.5-5 µm, 5 frames": (10, 0.722),
+    "corridor, Sun inside, 5 frames": (5, 0.734),
+    "corridor, Sun at the border, 5 frames": (5, 0.724),
+    "corridor, Sun outside, 5 frames": (3, 0.666),
+    "corridor, 8-12 µm, one frame": (2, 0.579),
+    "corridor, 8-12 µm, 5 frames": (3, 0.691),
+    "no glint: vignetting": (2, 0.0),
+    "no glint: all kinds, taken as radiances": (63, 0.0),
+    "no glint: vignetting, saturated": (6, 0.0),
+    "no glint: ramps": (8, 0.0),
+    "no glint: coasts under vignetting": (12, 0.0),
+    "no glint: clouds": (5, 0.0),
+    "no glint: haze": (30, 0.0),
+    "no glint: wakes": (0, 0.0),
+}
 """Of the segmentation before 2026-11-28 on the same pictures: number called glint, and mean overlap with the corridor [1]."""
 
 ROWS, COLUMNS = 96, 128
