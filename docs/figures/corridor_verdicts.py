@@ -293,6 +293,7 @@ def counts(earlier: ModuleType | None) -> tuple[dict[str, int], dict[str, Count]
         add((f"corridor, {sea.infrared}, one frame",), (sea.frames[0],), sea.corridor)
         names = f"corridor, {sea.infrared}, {FRAMES} frames", f"corridor, Sun {sea.place}, {FRAMES} frames"
         add(names, (mean, std, sea.frames[0]), sea.corridor)
+        add((f"corridor, all {FRAMES} frames, taken as counts",), (mean, std, sea.frames[0]), sea.corridor, radiance=False)
     for kind in KINDS:
         for picture in without_glint(kind, SHADES):
             add((f"no glint: {kind}",), (picture,), None, radiance=False)
