@@ -269,3 +269,14 @@ def test_each_criterion_refuses_beyond_its_limit(change, says):
     reason = _refusal(**known, sparkle=replace(fine, **{k: v for k, v in change.items() if k not in known}))
     assert says in reason if says else reason == ""
     assert ("--regions" in reason) is says.startswith("not surely")
+
+
+@pytest.mark.parametrize("number", [2, 10, *(pytest.param(n, marks=pytest.mark.validation) for n in (4, 9, 11, 13, 16, 17))])
+def test_rendered_corridors_lie_where_the_mean_glint_is(number):
+    """Seas in both bands, with the Sun inside the picture, at its border and beside it; half of the true pixels or more are shared."""
+    sea = corridor_verdicts.rendered(number)
+    found = segment(sea.frames.mean(axis=0), sea.frames.std(axis=0), sea.frames[0], radiance=True)
+    assert found.found, found.reason
+    assert corridor_verdicts.overlap(found.glint, sea.corridor) > 0.6
+    inside = 0.0 <= found.axis_column < corridor_verdicts.COLUMNS
+    assert inside or sea.place != "inside"
