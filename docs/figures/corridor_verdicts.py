@@ -1,6 +1,6 @@
 """Judge bright parts of pictures with ``seaglint.clutter.segmentation`` and write the verdicts into docs/validation/clutter.md.
 
-    python docs/figures/corridor_verdicts.py                     both tables, some three minutes
+    python docs/figures/corridor_verdicts.py                     both tables, some three minutes of processor time
     python docs/figures/corridor_verdicts.py --print             on the terminal only
     python docs/figures/corridor_verdicts.py --earlier FILE.py   counts of an earlier segmentation.py too (EARLIER keeps them)
 
@@ -64,6 +64,7 @@ EARLIER: dict[str, tuple[int, float]] = {
     "corridor, 3.5-5 µm, one frame": (7, 0.573),
     "corridor, 3.5-5 µm, 5 frames": (10, 0.722),
     "corridor, Sun inside, 5 frames": (5, 0.734),
+    "corridor, all 5 frames, taken as counts": (13, 0.715),
     "corridor, Sun at the border, 5 frames": (5, 0.724),
     "corridor, Sun outside, 5 frames": (3, 0.666),
     "corridor, 8-12 µm, one frame": (2, 0.579),
