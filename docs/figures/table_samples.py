@@ -246,6 +246,16 @@ def with_error(row: dict[str, Any], low: str = "low", high: str = "high") -> str
     return f"{row['rate']:.6f} ± {error:.6f}"
 
 
+def corridors() -> Pairs:
+    """Verdicts on the measured pictures, all of them."""
+    from corridor_verdicts import measured
+
+    lines = measured()
+    if lines is None:
+        raise NotHereError("the measured pictures are not here")
+    yield from whole("corridor-pictures", lines)
+
+
 def scattered_background() -> Pairs:
     """Apparent temperatures of the sea without glint."""
     from scattered_figures import background_of

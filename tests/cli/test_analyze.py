@@ -97,3 +97,56 @@ def test_warnings_of_numbers_that_do_not_exist_are_not_shown(tmp_path, monkeypat
     told = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
     assert "Warning" not in told.stderr
     assert "loud:detector" in told.stdout
+
+
+@pytest.fixture
+def regions(tmp_path: Path) -> Path:
+    (tmp_path / "regions.json").write_text('{"near": "12:24,:", "far": "0:12,:20"}')
+    return tmp_path / "regions.json"
+
+
+def test_results_are_given_for_every_region_by_its_name(seaglint, clip, regions, tmp_path):
+    import json
+
+    answer = seaglint("analyze", clip, "--regions", regions, "--report", tmp_path / "r.html")
+    assert answer.code == 0
+    assert [line.split(":")[0] for line in answer.out.splitlines() if " pixels, mean " in line] == ["all", "near", "far"]
+    assert not [line for line in answer.out.splitlines() if line.startswith(("glint", "background"))]
+    page = (tmp_path / "r.html").read_text("utf-8")
+    assert "<h3>near</h3>" in page
+    assert list(json.loads(seaglint("analyze", clip, "--regions", regions, "--json").out)["regions"]) == ["all", "near", "far"]
+
+
+def test_without_glint_all_pixels_are_the_only_region(seaglint, clip):
+    answer = seaglint("analyze", clip, "--no-glint")
+    assert answer.code == 0
+    lines = answer.out.splitlines()[1:]
+    assert not [line for line in lines if "glint" in line or "background" in line]
+
+
+def test_an_uncertain_corridor_prints_no_numbers_of_glint(seaglint, data_dir):
+    answer = seaglint("analyze", data_dir / "imagery" / "Misc_2.png", "--channel", "mean")
+    assert answer.code == 0
+    assert "glint: no region of its own" in answer.out
+    assert "no glint corridor found: " in answer.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--no-glint", "--regions", "regions.json"), "--no-glint and --regions exclude each other"),
+        (("--mask", "mask.npy", "--regions", "regions.json"), "--mask and --regions exclude each other"),
+        (("--mask", "mask.npy", "--no-glint"), "--mask and --no-glint exclude each other"),
+        (("--regions", "small.npy"), "2 x 2, the frames have 24 x 32"),
+        (("--regions", "none.json"), "none.json"),
+        (("--regions", "regions.json", "--report", "regions.html", "--rows", "2:1"), "rows"),
+    ],
+)
+def test_regions_that_cannot_be_are_refused_in_one_line(seaglint, clip, regions, tmp_path, monkeypatch, arguments, says):
+    monkeypatch.chdir(tmp_path)
+    np.save("mask.npy", np.eye(24, 32))
+    np.save("small.npy", np.ones((2, 2), int))
+    answer = seaglint("analyze", clip, *arguments)
+    assert answer.code == 2
+    assert says in answer.err
+    assert answer.err.count("\n") == 1

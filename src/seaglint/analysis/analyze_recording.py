@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal, TypeVar, get_args
+from typing import Any, Final, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.analysis.given_regions import given_regions
 from seaglint.analysis.recording import Passes, Recording, Survey, ahead, survey
 from seaglint.analysis.region import FrameArray, Gatherer, Region, region
 from seaglint.base.conventions import Progress
@@ -35,7 +36,8 @@ ALWAYS: Final = (3.0, 3.5)  #: Thresholds that are always counted, as in the sou
 
 Border = Literal["auto", "keep", "drop"]
 
-REGIONS: Final = ("all", "glint", "background")  #: Names of the regions; all of them are in the results, absent ones as None.
+#: Names of the regions where none are given; all of them are in the results, absent ones as None.
+REGIONS: Final = ("all", "glint", "background")
 
 _HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}  #: Ratio of the density of a Gaussian to its tail.
 
@@ -53,6 +55,8 @@ SLICED_FRAMES: Final = 2000  #: Largest number of frames of which a row and a co
 
 FEWEST_PIXELS: Final = 100  #: Least number of pixels of an analysed region.
 
+MOST_THREADS: Final = 8  #: Largest number of regions that are counted at the same time.
+
 
 @dataclass(frozen=True)
 class AnalysisOptions:
@@ -61,7 +65,7 @@ class AnalysisOptions:
     Raises
     ------
     DataError
-        A scope or border that does not exist.
+        A scope or border that does not exist, or more than one of ``mask``, ``no_glint`` and ``regions``.
     """
 
     filter: Filter = field(default_factory=Laplacian)  #: Filter before the thresholds; the article's Laplacian by default.
@@ -70,6 +74,10 @@ class AnalysisOptions:
     #: Part of the rows to analyse, as shares of the height from the top; filters use the whole picture.
     rows: tuple[float, float] = (0.0, 1.0)
     mask: BoolArray | None = None  #: Glinting pixels, instead of the segmentation.
+    no_glint: bool = False  #: Flag: no corridor is looked for, all pixels are the only region.
+    #: Regions instead of glint and background: numbers (rows, columns), or rectangles or masks by name
+    #: (``seaglint.analysis.given_regions``).
+    regions: Any = None
     detectors: tuple[Detector, ...] = ()  #: Detectors whose statistics are counted like filtered frames.
     seed: int = 0  #: Seed of all random samples.
     #: Whether sigma and rates include the pixels whose filtered value depends on repeated pixels beyond the border. With "auto" they are
@@ -81,6 +89,15 @@ class AnalysisOptions:
         for name, value, allowed in (("scope", self.scope, get_args(Scope)), ("border", self.border, get_args(Border))):
             if value not in allowed:
                 raise DataError(f"{name} = {value!r} is not one of {', '.join(allowed)}; give one of them or leave it out")
+        ways = [
+            name
+            for name, value in (("mask", self.mask), ("no_glint", self.no_glint or None), ("regions", self.regions))
+            if value is not None
+        ]
+        if len(ways) > 1:
+            raise DataError(
+                f"{' and '.join(f'`{name}`' for name in ways)} exclude each other; give one of them"
+            )
 
 
 @dataclass(frozen=True)
@@ -105,6 +122,12 @@ class Analysis:
     slices: Slices
     notes: tuple[str, ...]  #: Remarks on the recording.
     border_included: bool = True  #: Whether sigma and rates include pixels that depend on repeated ones beyond the border.
+    given: tuple[str, ...] = ("all",)  #: Names of all pixels and of the given regions.
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the regions, also of absent ones: all pixels, then glint and background or the given ones."""
+        return REGIONS if self.options.regions is None else tuple(self.given)
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text of all results; absent regions are None."""
@@ -123,7 +146,7 @@ class Analysis:
             "border": "kept" if self.border_included else "dropped",
             # A corridor of too few pixels is segmented but has no statistics: it counts as absent.
             "segmentation": self.segmentation.as_dict() | {"found": "glint" in regions},
-            "regions": {name: regions[name].as_dict() if name in regions else None for name in REGIONS},
+            "regions": {name: regions[name].as_dict() if name in regions else None for name in self.names},
             "notes": list(self.notes),
         }
 
@@ -174,7 +197,7 @@ def analyze(recording: Recording, options: AnalysisOptions | None = None, progre
     passes = Passes(progress, recording.frames, 2 + (given.scope == "sequence") + len(given.detectors))
     first = survey(recording, passes.read)
     passes.end()
-    segmentation, masks, notes = _regions(first, rows, given.mask)
+    segmentation, masks, notes, names = _regions(first, recording, rows, given)
     thresholds = tuple(sorted({*ALWAYS, *given.thresholds}))
     counted, border_notes = _interior(recording, given, masks["all"])
     results, slices = _count(recording, given, first, masks, counted, thresholds, passes)
@@ -183,7 +206,7 @@ def analyze(recording: Recording, options: AnalysisOptions | None = None, progre
         detector_notes += _count_detector(recording, detector, first.dead, results, thresholds, passes)
     notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, given.filter.name), *detector_notes]
     image = first.moments.image + recording.offset
-    return Analysis(recording, given, segmentation, image, results, slices, tuple(notes), bool(counted.all()))
+    return Analysis(recording, given, segmentation, image, results, slices, tuple(notes), bool(counted.all()), names)
 
 
 def _interior(recording: Recording, options: AnalysisOptions, used: BoolArray) -> tuple[BoolArray, list[str]]:
@@ -245,29 +268,57 @@ def _row_mask(recording: Recording, shares: tuple[float, float]) -> BoolArray:
     return mask
 
 
-def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Segmentation, dict[str, BoolArray], list[str]]:
-    """Return the segmentation, masks by name, and notes; a region that is too small is absent and noted."""
+def _regions(
+    first: Survey, recording: Recording, rows: BoolArray, options: AnalysisOptions
+) -> tuple[Segmentation, dict[str, BoolArray], list[str], tuple[str, ...]]:
+    """Return the segmentation, masks by name, notes, and all names; a region that is too small has no mask and is noted."""
     good = (first.moments.count > 0) & ~first.dead & rows
+    nothing = np.zeros_like(good)
+    required = options.mask is not None
     notes: list[str] = []
-    if mask is not None:
-        segmentation = Segmentation(mask, ~mask, np.zeros_like(mask), True, method="mask given")
+    if options.regions is not None:
+        parts, notes = given_regions(options.regions, *good.shape)
+        segmentation = Segmentation(
+            nothing, nothing, nothing, False, method=f"regions given: {', '.join(parts)}", reason="regions are given"
+        )
+        required = True
+    elif options.no_glint:
+        segmentation = Segmentation(nothing, nothing, nothing, False, method="no segmentation (no_glint)", reason="none was looked for")
+        parts = {}
     else:
-        several = int(first.moments.count.max()) > 1
-        # The segmentation needs the whole picture, whatever rows are analysed: it recognises the sky at the top.
-        image = np.where(first.dead, np.nan, first.moments.image)
-        segmentation = segment(image, np.where(first.dead, np.nan, first.moments.std) if several else None)
-        if not segmentation.found:
+        segmentation = _segmented(first, recording, options.mask)
+        parts = {"glint": segmentation.glint, "background": segmentation.background}
+        if options.mask is not None and (options.mask.all() or not options.mask.any()):
+            notes.append(
+                f"the mask covers {'every pixel' if options.mask.all() else 'no pixel'}: there is no "
+                f"{'background' if options.mask.all() else 'glint'} to compare with; give no_glint for all pixels alone"
+            )
+            required = False
+        elif not segmentation.found:
             notes.append(f"no glint corridor found: {segmentation.reason}")
-        elif segmentation.doubt:
-            notes.append(f"the glint corridor is not sure: {segmentation.doubt}; look at the picture of the regions or give --mask")
     masks = {"all": good}
-    for name, pixels in (("glint", segmentation.glint & good), ("background", segmentation.background & good)):
+    for name, part in parts.items():
+        pixels = part & good
         count = int(pixels.sum())
         if count >= FEWEST_PIXELS:
             masks[name] = pixels
-        elif count or (mask is not None):
+        elif count or required:
             notes.append(f"the {name} region has {count} pixels, too few for statistics (at least {FEWEST_PIXELS})")
-    return segmentation, masks, notes
+    return segmentation, masks, notes, ("all", *parts)
+
+
+def _segmented(first: Survey, recording: Recording, mask: BoolArray | None) -> Segmentation:
+    """Return the corridor of a mask, or the one that is found in the survey's pictures."""
+    if mask is not None:
+        return Segmentation(mask, ~mask, np.zeros_like(mask), True, method="mask given")
+    # The segmentation needs the whole picture, whatever rows are analysed: it recognises the sky at the top.
+    image, std, frame = (np.where(first.dead, np.nan, layer) for layer in (first.moments.image, first.moments.std, first.frame))
+    image, frame = image + recording.offset, frame + recording.offset
+    radiance = bool(recording.units and recording.units.startswith("W") and "sr-1" in recording.units)
+    if int(first.moments.count.max()) < 2:
+        return segment(image, radiance=radiance)
+    # A frame with gaps says less of the fine structure than the mean.
+    return segment(image, std, frame if 2 * np.isfinite(frame).sum() > np.isfinite(image).sum() else None, radiance=radiance)
 
 
 def _blocks(recording: Recording, dead: BoolArray, prepare: Callable[[FrameArray], Prepared]) -> Iterator[Prepared]:
@@ -300,7 +351,8 @@ def _count(
     stored_frames = np.unique(np.linspace(0, recording.frames - 1, most).astype(np.int64))
     stored = np.empty((stored_frames.size, recording.rows, recording.columns), np.float32)
     gatherers = {name: Gatherer(mask, recording.frames, stored_frames, options.seed, recording.offset) for name, mask in masks.items()}
-    alarms = {name: FalseAlarms(thresholds) for name in masks}
+    # A local standard deviation is hardly that of the counted pixels together.
+    alarms = {name: FalseAlarms(thresholds, estimated=options.scope != "local") for name in masks}
     counted = {name: mask & interior for name, mask in masks.items()}
     scales = _sequence_scales(recording, options, first.dead, counted, passes) if options.scope == "sequence" else {}
     slicer = _Slicer(masks.get("glint", masks["all"]), recording)
@@ -324,7 +376,7 @@ def _count(
         return result
 
     # Regions are independent, and their kernels release the interpreter.
-    with ThreadPoolExecutor(len(masks)) as workers:
+    with ThreadPoolExecutor(min(len(masks), MOST_THREADS)) as workers:
         for block, filtered in _filtered(recording, options, first.dead):
             for task in [workers.submit(count, name, block, filtered, done) for name in masks]:
                 task.result()
@@ -388,7 +440,7 @@ def _count_detector(
     recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...], passes: Passes
 ) -> list[str]:
     """Run one pass of a detector through the same counting; return notes where its statistics have no usable numbers."""
-    alarms = {name: FalseAlarms(thresholds) for name in results}
+    alarms = {name: FalseAlarms(thresholds, estimated=not detector.calibrated) for name in results}
     done = detector.lead
     for statistic in statistics(detector, _blocks(recording, dead, lambda block: block)):
         done += statistic.shape[0]

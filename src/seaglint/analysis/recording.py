@@ -128,6 +128,8 @@ class Survey:
     dead: BoolArray  #: Rows and pixels that carry no picture; they are left out of everything. Shape (rows, columns).
     #: Frames in which each pixel reaches full scale, or the largest value where that is a spike. Shape (rows, columns).
     saturated: NDArray[np.int64]
+    #: Frame in the middle of the recording, whose fine structure is not averaged over time. Shape (rows, columns).
+    frame: FrameArray
     ceiling: float | None  #: The value they reach, in the file's numbers; None where nothing is saturated.
     notes: tuple[str, ...]  #: Sentences for the report.
 
@@ -204,7 +206,10 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
     repeated: list[bool] = []
     done = 0
     last: FrameArray | None = None
+    middle = np.full(shape, np.nan, np.float32)
     for block in ahead(recording, lambda block: block):
+        if done <= recording.frames // 2 < done + block.shape[0]:
+            middle[:] = block[recording.frames // 2 - done]
         moments.add(block)
         top.add(block)
         if recording.saturation is not None:
@@ -240,7 +245,7 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
     ceiling = ceiling + recording.offset if ceiling is not None and saturated.any() else None
     notes = _notes(recording, missing, repeated)
     cut = _saturation_note(recording, saturated, ceiling, top if spike is not None else None)
-    return Survey(moments, dead, saturated, ceiling, (*dead_notes, *cut, *_resolution_note(recording, moments, dead), *notes))
+    return Survey(moments, dead, saturated, middle, ceiling, (*dead_notes, *cut, *_resolution_note(recording, moments, dead), *notes))
 
 
 def _repeated(block: FrameArray, last: FrameArray | None) -> list[bool]:

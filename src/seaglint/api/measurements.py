@@ -46,6 +46,8 @@ def analyze(
     scope: Literal["frame", "sequence", "local"] = "frame",
     rows: tuple[float, float] = (0.0, 1.0),
     mask: ArrayLike | None = None,
+    no_glint: bool = False,
+    regions: ArrayLike | Mapping[str, str | ArrayLike] | str | Path | None = None,
     border: Literal["auto", "keep", "drop"] = "auto",
     detectors: str | Callable[[NDArray[Any]], Any] | Sequence[str | Callable[[NDArray[Any]], Any]] = (),
     time_limit: float = 60.0,
@@ -71,7 +73,7 @@ def analyze(
     Raises
     ------
     DataError
-        An unknown filter, detector or word, or a recording without images or finite values.
+        An unknown filter, detector or word, regions that do not fit, or a recording without images or finite values.
 
     Examples
     --------

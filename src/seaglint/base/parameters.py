@@ -25,8 +25,8 @@ class Parameter(NamedTuple):
     group: str = ""  #: Heading of the parameter on a help page, one of ``GROUPS``.
     #: Form of its text on a command line: "numbers" (``1,2,4`` or ``FIRST:LAST:STEP``), "pair" (``X,Y``), "limits"
     #: (``NEAR:FAR``), "size" (``COLUMNSxROWS``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of
-    #: numbers), "mask" (image), "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for objects in
-    #: Python); empty where the type determines it.
+    #: numbers), "mask" (image), "regions" (image or JSON), "raw" (layout of a raw file), "switch" (auto, always or never), "name" and
+    #: "names" (words for objects in Python); empty where the type determines it.
     form: str = ""
     metavar: str = ""  #: Placeholder of the value on a help page; empty for the placeholder of the type.
     least: float | None = None  #: Smallest value allowed.

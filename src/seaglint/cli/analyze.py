@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 
 @takes_records(
-    order="recording as_json report frame_rate units mask rows filter kernel signature thresholds scope detectors time_limit "
-    "variable channel axes missing saturation border raw seed"
+    order="recording as_json report frame_rate units mask no_glint regions rows filter kernel signature thresholds scope detectors "
+    "time_limit variable channel axes missing saturation border raw seed"
 )
 def analyze(
     recording: Annotated[
@@ -85,8 +85,6 @@ def _require_words(request: AnalysisRequest) -> None:
 
 def lines(analysis: Analysis) -> list[str]:
     """Return the results as a few lines of text."""
-    from seaglint.analysis.analyze_recording import REGIONS
-
     recording, regions = analysis.recording, analysis.regions
     rate, units = recording.frame_rate, recording.units or "units not known"
     out = [
@@ -95,8 +93,10 @@ def lines(analysis: Analysis) -> list[str]:
     ]
     if recording.frames > 1:
         out.append(f"blur of the frames: {recording.blur}")
-    for name in REGIONS:
+    for name in analysis.names:
         if name not in regions:
+            if analysis.options.no_glint:
+                continue
             single = "; glint all over the picture counts as background" if name == "glint" else ""
             out.append(f"{name}: no region of its own{single}")
             continue

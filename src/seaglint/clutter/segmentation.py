@@ -1,17 +1,27 @@
-"""Segmentation of the glint corridor: two classes of smoothed brightness above the row's background, or none.
+"""Segmentation of the glint corridor: a bright part of the sea that the glint of the Sun or Moon makes, or none.
 
-Method, unsupervised, on the time-averaged image (and the temporal standard deviation of each pixel where there are frames):
+Method, unsupervised, on the time-averaged image (with the temporal standard deviation of each pixel and one frame where there are frames):
 
 1. Sky: the rows from the top with less than half of the texture (mean absolute difference of horizontal neighbours) of the rows below
    them. They belong to neither class.
 2. Envelope: a Gaussian smoothing of 1/24 of the shorter side, so that single waves do not count.
 3. Background of a row: its 10 % quantile, made convex over the rows. A sea without glint changes steadily with depression
    angle, which a convex curve follows; a corridor, also one wider than the picture, rises above it.
-4. Two classes by Otsu's threshold, the largest connected part of the upper one, holes filled.
-5. It is a corridor only if the classes separate (Otsu's criterion at least 0.69; a Gaussian split at its mean has 0.64), its
-   mean is two standard deviations of the background's pixels above it, it does not span the picture from side to side, its
-   texture differs from the background's (brightness alone is shading of the lens or haze), and its border is gradual: the chance
-   of a glint falls off over many waves, a shore is an edge. A corridor that passes a criterion narrowly is reported as doubtful.
+4. Candidate: the largest connected part above Otsu's threshold between two classes, holes filled.
+
+The candidate is a corridor if all of these hold:
+
+- Symmetric and narrow: a Gaussian in azimuth about one vertical axis, inside the picture or up to half of its width beyond a border, with a
+  height for each row, explains the envelope's variation along the rows. It fades within the picture, to both sides of an axis inside it.
+- Gradual: the chance of a glint falls off over many waves, a shore is an edge.
+- Sparkling: a gain (vignetting, uneven illumination) multiplies the fine structure and leaves its skewness. Noise added to it only lowers
+  the skewness where the gain is low. Glints are sparse beside a corridor and dense within it: the skewness is positive beside it and lower
+  within, where the structure is nevertheless stronger. Haze weakens structure. A saturated corridor loses this; it needs
+  saturated pixels, structure that is skewed to the bright, and structure that rises less than the brightness. A low Sun leaves the sea
+  beside the corridor so dark that no gain explains the ratio. Of radiances, whose zero is known, a gain raises structure and brightness
+  alike; structure that rises more is glint too.
+
+A candidate that fails only narrowly is no corridor either, and the reason states it.
 """
 
 from __future__ import annotations
@@ -26,17 +36,35 @@ from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject, plain
 from seaglint.clutter.correlation import BoolArray
 
-METHOD = "two classes (Otsu) of smoothed brightness above a convex row background, largest connected part"
-SHORTEST_SIDE = 32  # px; the envelope below has then 24 independent patches a side at most, too few for two classes
-LEAST_SEPARABILITY = 0.69  # between 0.64 of a split Gaussian and 0.71 of the weakest measured corridor
-LEAST_CONTRAST = 2.0  # noise of any correlation that fits several times into the picture stays below 1.5
-TEXTURE_ALIKE = (0.85, 1.2)  # shading leaves texture within 5 %; glint at least 1.6 times, or 0.6 times where it saturates
-MOST_SPANNING_ROWS = 0.5
-SHARPEST_BORDER = 0.44  # of the step, within 1/24 of the shorter side; measured and rendered corridors have at most 0.40, shores 0.47
-CLEAR_SEPARABILITY = 0.75  # that of a uniform density: shading across the picture comes near it, two classes exceed it
-CLEAR_CONTRAST = 3.0
-CLEAR_TEXTURE = (0.6, 1.6)
-CLEAR_BORDER = 0.38
+METHOD = "bright part (Otsu) above a convex row background; symmetric about a vertical axis, gradual, sparkling"
+SHORTEST_SIDE = 32  # px; the envelope below has then 24 independent patches a side at most, too few for a corridor
+LEAST_SYMMETRY = (0.85, 0.75)  # each pair: limit of a corridor, and the limit up to which a failure is a narrow one
+LEAST_CONTRAST = (1.5, 1.2)  # noise of any correlation that fits several times into the picture mostly stays below
+SHARPEST_BORDER = (0.44, 0.50)  # of the step, within 1/24 of the shorter side; shores have 0.47 and more
+FADED = 0.6  # of the largest brightness of the fitted peak, at the border of the picture
+NEAR_BORDER = 0.15  # of the width: an axis nearer to a border shows one side of the corridor only
+LEAST_SPARKLE = (0.30, 0.20)  # difference of skewnesses; textures under vignetting have at most 0.2
+LEAST_STRUCTURE = (1.10, 0.90)  # of the background's; haze and saturation weaken it
+LEAST_SKEWNESS = 0.25  # beside a corridor
+DEEPEST_SHADE = 6.0  # ratio of structure that no gain makes: the cos^4 law at 50 degrees from the axis
+MORE_THAN_GAIN = 1.3  # of the ratio of radiances; unknown gradients of a gain within tiles change it by less than 1.1
+SURE = 3.0  # standard errors of the difference of skewnesses
+SATURATED = 0.01  # share of the candidate's pixels at the ceiling
+MOST_STRUCTURE_SATURATED = 0.85  # of the brightness's ratio: a gain raises both alike
+
+
+@dataclass(frozen=True)
+class Sparkle:
+    """Fine structure of the candidate and of the sea beside it, in tiles of the same rows."""
+
+    structure_ratio: float = np.nan  #: Standard deviation in the candidate over its value beside it [1].
+    #: Brightness, above zero in radiances and otherwise above the darkest sea, in the candidate over its value beside it [1].
+    brightness_ratio: float = np.nan
+    radiance: bool = False  #: Whether values are radiances.
+    skewness_within: float = np.nan  #: Skewness in the candidate [1].
+    skewness_beside: float = np.nan  #: Skewness beside the candidate [1].
+    error: float = np.nan  #: Standard error of the difference of both skewnesses [1].
+    saturated: float = 0.0  #: Share of the candidate's pixels with the largest value of the picture [1].
 
 
 @dataclass(frozen=True)
@@ -48,25 +76,25 @@ class Segmentation:
     background: BoolArray  #: Sea beside the corridor, (rows, columns).
     sky: BoolArray  #: Sky, (rows, columns).
     found: bool  #: Whether there is a corridor.
-    #: Otsu's criterion, variance between the two classes over total variance of the envelope [1]; NaN if not decidable.
-    separability: float = np.nan
-    contrast: float = np.nan  #: Mean of the corridor above the background's in standard deviations of the background's pixels [1].
-    #: Root mean square of fine structure (in time where frames were given) in the corridor over its value in the background.
-    texture_ratio: float = np.nan
-    #: Step of brightness within the envelope's length of the border over the step between the inner half of the corridor and the outer half
-    #: of the background [1]; NaN without a border, or with less contrast than a corridor has.
+    #: Share of the envelope's variation along rows that a peak about a vertical axis explains [1]; NaN if not decidable.
+    symmetry: float = np.nan
+    axis_column: float = np.nan  #: Column of this axis [px]; outside the picture where half of a corridor or less is seen.
+    contrast: float = np.nan  #: Mean of the candidate above the background's in standard deviations of the background's pixels [1].
+    #: Step of brightness within the envelope's length of the border over the step between the inner half of the candidate and the outer
+    #: half of the background [1]; NaN without a border, or with less contrast than a corridor has.
     border_step: float = np.nan
+    sparkle: Sparkle = Sparkle()  #: Fine structure within the candidate and beside it.
     reason: str = ""  #: Reason for the absence of a corridor; empty if there is one.
-    doubt: str = ""  #: Criteria that a corridor passes only narrowly; empty where it is clear, and without a corridor.
     method: str = METHOD  #: One line for reports.
 
     def as_dict(self) -> JsonObject:
         """Return the decision with its criteria as plain numbers and text; pixels of sky are counted."""
-        values = {name: getattr(self, name) for name in ("found", "method", "separability", "contrast", "border_step")}
-        return plain(values | {"reason": self.reason or None, "doubt": self.doubt or None} | {"sky_pixels": int(self.sky.sum())})
+        names = ("found", "method", "symmetry", "axis_column", "contrast", "border_step")
+        values = {name: getattr(self, name) for name in names} | {"sparkle": vars(self.sparkle)}
+        return plain(values | {"reason": self.reason or None, "sky_pixels": int(self.sky.sum())})
 
 
-def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
+def segment(mean: ArrayLike, std: ArrayLike | None = None, frame: ArrayLike | None = None, *, radiance: bool = False) -> Segmentation:
     """Find the glint corridor in a picture.
 
     Parameters
@@ -75,6 +103,10 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
         Brightness averaged over time, or one frame; NaN where there are no data. Any unit, any offset.
     std : array_like, shape (rows, columns), optional
         Standard deviation over time of each pixel, same unit; it makes the corridor of a sequence much clearer.
+    frame : array_like, shape (rows, columns), optional
+        One frame of the sequence, whose fine structure is not averaged over time; by default ``mean``.
+    radiance : bool
+        Whether values are radiances: 0 is no light. The level of other values is unknown.
 
     Returns
     -------
@@ -86,12 +118,13 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
         If the arrays are not two-dimensional or differ in shape.
     """
     image = np.asarray(mean, dtype=np.float64)
-    deviation = None if std is None else np.asarray(std, dtype=np.float64)
     if image.ndim != 2:
         raise DataError(f"segmentation got an array of shape {image.shape}; give the mean image, (rows, columns)")
-    if deviation is not None and deviation.shape != image.shape:
-        raise DataError(f"mean image {image.shape} and standard deviation {deviation.shape} differ in shape; give one of each per pixel")
+    deviation, single = (None if given is None else np.asarray(given, dtype=np.float64) for given in (std, frame))
     valid = np.isfinite(image)
+    for name, given in (("standard deviation", deviation), ("frame", single)):
+        if given is not None and given.shape != image.shape:
+            raise DataError(f"mean image {image.shape} and {name} {given.shape} differ in shape; give one value of each per pixel")
     if deviation is not None:
         valid &= np.isfinite(deviation)
     nothing = np.zeros(image.shape, dtype=bool)
@@ -106,56 +139,87 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
     sky = nothing.copy()
     sky[:first] = valid[:first]
     sea = slice(first, None)
-    corridor, separability, contrast, texture, spanning = _corridor(image[sea], None if deviation is None else deviation[sea], valid[sea])
+    excess = _excess(image[sea], valid[sea])
+    candidate = _candidate(image[sea], None if deviation is None else deviation[sea], valid[sea], excess)
+    symmetry, axis = _peak(excess)
+    contrast = _contrast(image[sea], candidate, valid[sea], excess)
     # without contrast there is no step to take a share of
-    step = _border_step(image[sea], corridor, valid[sea]) if contrast >= LEAST_CONTRAST else float("nan")
-    reason = _refusal(separability, contrast, texture, spanning, step)
-    doubt = "" if reason else _doubt(separability, contrast, texture, step)
+    step = _border_step(image[sea], candidate, valid[sea]) if contrast >= LEAST_CONTRAST[1] else float("nan")
+    sparkle = _sparkle((image if single is None else single)[sea], candidate, valid[sea], radiance)
+    reason = _refusal(symmetry, contrast, step, sparkle)
     glint = nothing.copy()
     if not reason:
-        glint[sea] = corridor & valid[sea]
+        glint[sea] = candidate & valid[sea]
     return Segmentation(
         glint=glint,
         background=valid & ~sky & ~glint,
         sky=sky,
         found=not reason,
-        separability=separability,
+        symmetry=symmetry,
+        axis_column=axis,
         contrast=contrast,
-        texture_ratio=texture,
         border_step=step,
+        sparkle=sparkle,
         reason=reason,
-        doubt=doubt,
     )
 
 
-def _refusal(separability: float, contrast: float, texture: float, spanning: float, step: float) -> str:
-    """Reason why the brighter class is no corridor, or an empty text."""
-    if not separability >= LEAST_SEPARABILITY:
-        return f"brightness has no two classes: separability {separability:.2f}, a corridor has at least {LEAST_SEPARABILITY}"
-    if not contrast >= LEAST_CONTRAST:
-        return f"brighter part only {contrast:.1f} standard deviations above the background, a corridor at least {LEAST_CONTRAST:g}"
-    if spanning > MOST_SPANNING_ROWS:
-        return "brighter part goes from side to side: a band along the horizon or haze"
-    if not (texture <= TEXTURE_ALIKE[0] or texture >= TEXTURE_ALIKE[1]):
-        return f"brighter part has the background's texture (ratio {texture:.2f}): shading, not glint"
-    if step > SHARPEST_BORDER:
-        share = f"{100 * step:.0f} % of the step at once, glint at most {100 * SHARPEST_BORDER:.0f} %"
+def _refusal(symmetry: float, contrast: float, step: float, sparkle: Sparkle) -> str:
+    """Reason why the brighter part is no corridor, or an empty text."""
+    if not contrast >= LEAST_CONTRAST[1]:
+        return f"brighter part only {contrast:.1f} standard deviations above the background, a corridor at least {LEAST_CONTRAST[0]:g}"
+    if not symmetry >= LEAST_SYMMETRY[1]:
+        share = f"{100 * symmetry:.0f} % of the variation along rows, a corridor at least {100 * LEAST_SYMMETRY[0]:.0f} %"
+        return f"no peak about a vertical axis that fades within the picture explains the brightness ({share})"
+    if step > SHARPEST_BORDER[1]:
+        share = f"{100 * step:.0f} % of the step at once, glint at most {100 * SHARPEST_BORDER[0]:.0f} %"
         return f"brighter part has a sharp border ({share}): a shore"
-    return ""
+    if not np.isfinite(sparkle.error):
+        return "no rows show both the brighter part and sea beside it, whose fine structure could be compared"
+    dull, close = _dullness(sparkle)
+    if dull and not close:
+        return dull
+    narrow = [dull] if dull else []
+    if contrast < LEAST_CONTRAST[0]:
+        narrow.append(f"contrast {contrast:.1f} (a corridor has at least {LEAST_CONTRAST[0]:g})")
+    if symmetry < LEAST_SYMMETRY[0]:
+        narrow.append(f"a vertical axis explains {100 * symmetry:.0f} % (of a corridor at least {100 * LEAST_SYMMETRY[0]:.0f} %)")
+    if step > SHARPEST_BORDER[0]:
+        narrow.append(f"{100 * step:.0f} % of the step at the border (of a corridor at most {100 * SHARPEST_BORDER[0]:.0f} %)")
+    if not narrow:
+        return ""
+    return f"a bright part is not surely glint: {', '.join(narrow)}; look at the picture and give the corridor with --mask or --regions"
 
 
-def _doubt(separability: float, contrast: float, texture: float, step: float) -> str:
-    """Criteria that pass narrowly, or an empty text."""
-    narrow = []
-    if separability < CLEAR_SEPARABILITY:
-        narrow.append(f"separability {separability:.2f} (clear from {CLEAR_SEPARABILITY:g})")
-    if contrast < CLEAR_CONTRAST:
-        narrow.append(f"contrast {contrast:.1f} (clear from {CLEAR_CONTRAST:g})")
-    if CLEAR_TEXTURE[0] < texture < CLEAR_TEXTURE[1]:
-        narrow.append(f"texture {texture:.2f} of the background's (clear below {CLEAR_TEXTURE[0]:g} or above {CLEAR_TEXTURE[1]:g})")
-    if step > CLEAR_BORDER:
-        narrow.append(f"{100 * step:.0f} % of the step at the border (clear to {100 * CLEAR_BORDER:.0f} %)")
-    return ", ".join(narrow)
+def _dullness(of: Sparkle) -> tuple[str, bool]:
+    """Reason why the fine structure is not a corridor's, or an empty text, and whether it fails narrowly."""
+    skewed = of.skewness_within > LEAST_SKEWNESS and of.skewness_beside > LEAST_SKEWNESS
+    if of.saturated >= SATURATED:
+        # A ceiling lowers the skewness of any texture.
+        if skewed and of.structure_ratio < MOST_STRUCTURE_SATURATED * of.brightness_ratio:
+            return "", False
+        share = f"{100 * of.saturated:.2g} % of the brighter part saturated"
+        ratio = f"{of.structure_ratio:.2f} times the structure and {of.brightness_ratio:.2f} times the brightness of the background"
+        return f"{share}, with {ratio}: a gain or haze would do so", False
+    if of.structure_ratio >= DEEPEST_SHADE and of.skewness_within > 0.0:
+        return "", False
+    if of.radiance and of.structure_ratio >= max(MORE_THAN_GAIN * of.brightness_ratio, LEAST_STRUCTURE[0]):
+        return "", False
+    # A gain G over a texture with noise multiplies the third moment by G^3: the skewness beside is between (structure / G)^3 times the
+    # skewness within and the skewness within.
+    gain = min(of.brightness_ratio, DEEPEST_SHADE)
+    denser = of.skewness_beside - of.skewness_within if of.skewness_beside >= LEAST_SKEWNESS else 0.0
+    drop = max(denser, of.skewness_within * min(of.structure_ratio / gain, 1.0) ** 3 - of.skewness_beside)
+    sure = drop >= SURE * of.error
+    if sure and drop >= LEAST_SPARKLE[0] and of.structure_ratio >= LEAST_STRUCTURE[0]:
+        return "", False
+    close = sure and drop >= LEAST_SPARKLE[1] and of.structure_ratio >= LEAST_STRUCTURE[1]
+    text = f"skewness of the fine structure {of.skewness_within:.2f} within and {of.skewness_beside:.2f} beside"
+    if of.structure_ratio < LEAST_STRUCTURE[0]:
+        return f"fine structure {of.structure_ratio:.2f} times the background's (of a corridor at least {LEAST_STRUCTURE[0]:g})", close
+    if close:
+        return f"{text} (a corridor falls by at least {LEAST_SPARKLE[0]:g})", close
+    return f"brighter part does not sparkle ({text}): shading, haze or a coast, not glint", close
 
 
 def _rows_of_sky(image: FloatArray) -> int:
@@ -225,38 +289,110 @@ def otsu_threshold(values: FloatArray, bins: int = 512) -> tuple[float, float]:
     return float(edges[best + 1]), float(between[best] / variance) if variance > 0.0 else 0.0
 
 
-def _corridor(image: FloatArray, deviation: FloatArray | None, valid: BoolArray) -> tuple[BoolArray, float, float, float, float]:
-    """Brighter class with its separability, contrast, texture ratio and share of rows that it spans."""
+def _excess(layer: FloatArray, valid: BoolArray) -> FloatArray:
+    """Return the envelope above the background of each row."""
+    # A quantile is shifted by single rows of missing data less than a mean is; 1/24 leaves some twenty patches a side.
+    smooth = _smoothed(layer, valid, _envelope_length(layer))
+    return smooth - _convex_below(np.quantile(smooth, 0.1, axis=1))[:, None]
+
+
+def _candidate(image: FloatArray, deviation: FloatArray | None, valid: BoolArray, excess: FloatArray) -> BoolArray:
+    """Return the largest connected part of the brighter of two classes, holes filled."""
     from scipy import ndimage
 
-    # A quantile is shifted by single rows of missing data less than a mean is; 1/24 leaves some twenty patches a side.
-    sigma = _envelope_length(image)
-    excess = []
-    for layer in (image,) if deviation is None else (image, deviation):
-        smooth = _smoothed(layer, valid, sigma)
-        excess.append(smooth - _convex_below(np.quantile(smooth, 0.1, axis=1))[:, None])
+    layers = [excess] if deviation is None else [excess, _excess(deviation, valid)]
     # Mean and deviation each in units of its standard deviation: glint raises both, and neither unit should decide.
-    score = sum((layer / max(float(layer.std()), np.finfo(float).tiny) for layer in excess), np.zeros(image.shape))
-    threshold, separability = otsu_threshold(score)
-    label, count = ndimage.label(score > threshold)
+    score = sum((layer / max(float(layer.std()), np.finfo(float).tiny) for layer in layers), np.zeros(image.shape))
+    label, count = ndimage.label(score > otsu_threshold(score)[0])
     if count == 0:
-        return np.zeros(image.shape, dtype=bool), separability, 0.0, 1.0, 0.0
+        return np.zeros(image.shape, dtype=bool)
     largest = 1 + int(np.argmax(np.bincount(label.ravel())[1:]))
-    corridor = np.asarray(ndimage.binary_fill_holes(label == largest), dtype=bool)
-    inside, outside = corridor & valid, ~corridor & valid
+    return np.asarray(ndimage.binary_fill_holes(label == largest), dtype=bool)
+
+
+def _contrast(image: FloatArray, candidate: BoolArray, valid: BoolArray, excess: FloatArray) -> float:
+    """Return the mean of the candidate above the background's in standard deviations of the background's pixels."""
+    inside, outside = candidate & valid, ~candidate & valid
     if not inside.any() or not outside.any():
-        return corridor, separability, 0.0, 1.0, 1.0
-    base = image - (_smoothed(image, valid, sigma) - excess[0])
+        return 0.0
+    base = image - (_smoothed(image, valid, _envelope_length(image)) - excess)
     noise = float(base[outside].std())
-    contrast = float(base[inside].mean() - base[outside].mean()) / noise if noise > 0.0 else np.inf
-    if deviation is None:
-        fine = np.where(valid, image, 0.0) - np.where(valid, _smoothed(image, valid, 3.0), 0.0)
-    else:
-        fine = np.where(valid, deviation, 0.0)
-    low = float(np.sqrt(np.mean(fine[outside] ** 2)))
-    texture = float(np.sqrt(np.mean(fine[inside] ** 2))) / low if low > 0.0 else np.inf
-    rows = np.flatnonzero(corridor.any(axis=1))
-    return corridor, separability, contrast, texture, float(np.mean(corridor[rows, 0] & corridor[rows, -1]))
+    return float(base[inside].mean() - base[outside].mean()) / noise if noise > 0.0 else np.inf
+
+
+def _peak(excess: FloatArray) -> tuple[float, float]:
+    """Return the share of the variation along rows explained by a peak about a vertical axis that fades in the picture, and its column.
+
+    The peak is a Gaussian with one axis and width for all rows; each row has its own level and height, not below 0.
+    """
+    rows, columns = excess.shape
+    step = max(columns // 128, 1)
+    thinned = excess[:: max(rows // 64, 1), ::step]
+    varying = thinned - thinned.mean(axis=1, keepdims=True)
+    total = float(np.sum(varying**2))
+    if total <= 0.0:
+        return 0.0, float("nan")
+    place = np.arange(0, columns, step)
+    axes, widths = (grid.ravel() for grid in np.meshgrid(np.linspace(-0.5, 1.5, 65), np.geomspace(0.04, 1.0, 14)))
+    peaks = np.exp(-0.5 * ((place - columns * axes[:, None]) / (columns * widths[:, None])) ** 2)
+    # A peak far beyond the border is divided by its largest value in the picture.
+    peaks /= np.maximum(peaks.max(axis=1, keepdims=True), 1e-300)
+    ends = np.where(axes < NEAR_BORDER, 0.0, peaks[:, 0]), np.where(axes > 1.0 - NEAR_BORDER, 0.0, peaks[:, -1])
+    centred = peaks - peaks.mean(axis=1, keepdims=True)
+    squares = np.sum(centred**2, axis=1)
+    fades = (np.maximum(*ends) < FADED) & (squares > 0.0)
+    heights = np.maximum(varying @ centred[fades].T, 0.0)
+    explained = np.sum(heights**2, axis=0) / squares[fades]
+    best = int(explained.argmax())
+    return float(explained[best]) / total, float(columns * axes[fades][best])
+
+
+def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray, radiance: bool) -> Sparkle:
+    """Return the fine structure of tiles in the candidate and of tiles beside it, compared row by row of tiles."""
+    # Lines at the border of the picture are often frames that programs drew.
+    border = 4
+    used = np.zeros(frame.shape, dtype=bool)
+    used[border:-border, border:-border] = (valid & np.isfinite(frame))[border:-border, border:-border]
+    known = np.where(used, frame, 0.0)
+    fine = known - _smoothed(frame, used, 2.0)
+    side = max(min(frame.shape) // 8, 8)
+    first_rows, first_columns = (np.linspace(0, size, size // side, endpoint=False).astype(int) for size in frame.shape)
+
+    def tiles(values: FloatArray) -> FloatArray:
+        sums = np.add.reduceat(np.where(used, values, 0.0), first_rows, axis=0)
+        return np.asarray(np.add.reduceat(sums, first_columns, axis=1))
+
+    count = tiles(np.ones(frame.shape))
+    layers = candidate.astype(np.float64), known, fine**2, fine**3
+    share, level, variance, third = (tiles(layer) / np.maximum(count, 1.0) for layer in layers)
+    good = (count >= 0.5 * side**2) & (variance > 0.0)
+    within, beside = good & (share > 0.75), good & (share < 0.25)
+    both = np.flatnonzero(within.any(axis=1) & beside.any(axis=1))
+    inside = candidate & used
+    saturated = float(np.mean(frame[inside] >= frame[used].max())) if inside.any() else 0.0
+    if both.size < 2:
+        return Sparkle(saturated=saturated)
+    skewness = third / np.where(good, variance, 1.0) ** 1.5
+    # Medians over tiles leave out ships and other single objects.
+    pairs = np.array(
+        [[[np.median(values[row, part[row]]) for part in (within, beside)] for values in (level, variance, skewness)] for row in both]
+    )
+    weight = np.array([min(within[row].sum(), beside[row].sum()) for row in both], dtype=np.float64)
+    weight /= weight.sum()
+    darkest = 0.0 if radiance else float(np.quantile(known[used] - fine[used], 0.002))
+    above = np.maximum(weight @ pairs[:, 0] - darkest, 0.0)
+    drop = pairs[:, 2, 1] - pairs[:, 2, 0]
+    # Tile rows are independent; their number is that of equal weights.
+    spread = float(weight @ (drop - weight @ drop) ** 2) / max(1.0 / float(np.sum(weight**2)) - 1.0, 0.5)
+    return Sparkle(
+        structure_ratio=float(np.exp(0.5 * weight @ np.log(pairs[:, 1, 0] / pairs[:, 1, 1]))),
+        brightness_ratio=float(above[0] / max(above[1], 1e-3 * above[0])) if above[0] > 0.0 else 1.0,
+        skewness_within=float(weight @ pairs[:, 2, 0]),
+        skewness_beside=float(weight @ pairs[:, 2, 1]),
+        error=float(np.sqrt(spread)),
+        saturated=saturated,
+        radiance=radiance,
+    )
 
 
 def _envelope_length(image: FloatArray) -> float:

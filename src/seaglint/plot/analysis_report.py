@@ -9,6 +9,7 @@ from typing import Final
 from seaglint.analysis import Analysis
 from seaglint.base.conventions import Progress
 from seaglint.base.free_form import JsonObject
+from seaglint.clutter.segmentation import LEAST_CONTRAST, LEAST_SYMMETRY, SHARPEST_BORDER
 from seaglint.plot.clutter_pictures import FAMILY_NAMES, PICTURES, unit_of
 from seaglint.plot.figures_and_pages import ABSENT, all_numbers, bullets, figure, interval, notes, number, page, png, section, table
 from seaglint.store.outputs import refuse_existing, write_text
@@ -117,15 +118,21 @@ def _summary(analysis: Analysis) -> str:
 def _segmentation(results: JsonObject) -> str:
     result = results["segmentation"]
     text = f"Method: {result['method']}."
-    if result["separability"] is not None:
-        text += f" Separability {number(result['separability'])} (a corridor has at least 0.69), contrast {number(result['contrast'])}"
-        text += " standard deviations of the background (at least 2)"
-        step = result["border_step"]
-        text += "." if step is None else f", {100 * step:.0f} % of the step at the border (at most 44 %)."
+    if result["symmetry"] is not None:
+        text += (
+            f" A peak about the vertical axis at column {number(result['axis_column'])} explains {100 * result['symmetry']:.0f} % of the "
+        )
+        text += f"variation along rows (of a corridor at least {100 * LEAST_SYMMETRY[0]:.0f} %), contrast {number(result['contrast'])} "
+        text += f"standard deviations of the background (at least {LEAST_CONTRAST[0]:g})"
+        step, fine = result["border_step"], result["sparkle"]
+        text += "." if step is None else f", {100 * step:.0f} % of the step at the border (at most {100 * SHARPEST_BORDER[0]:.0f} %)."
+        if fine["structure_ratio"] is not None:
+            text += (
+                f" Fine structure {number(fine['structure_ratio'])} times the background's, skewness {number(fine['skewness_within'], 2)} "
+            )
+            text += f"within and {number(fine['skewness_beside'], 2)} beside."
     if result["reason"]:
         text += f" No corridor: {result['reason']}."
-    if result["doubt"]:
-        text += f" The corridor is not sure: {result['doubt']}."
     if result["sky_pixels"]:
         text += f" {number(result['sky_pixels'])} pixels lie in smooth rows on top, sky or far sea, and belong to neither region."
     return text
@@ -212,6 +219,14 @@ def _memory(results: JsonObject) -> str:
     return blur + table([*head, "blocks, rows × columns [px]", "remarks"], rows, words=(9,))
 
 
+def _made(analysis: Analysis) -> str:
+    """Return how the regions were made."""
+    options = analysis.options
+    if options.regions is not None:
+        return f"given: {', '.join(analysis.names[1:])}"
+    return "all pixels (no_glint)" if options.no_glint else "segmented" if options.mask is None else "mask given"
+
+
 def _methods(analysis: Analysis) -> list[str]:
     options = analysis.options
     first, last = options.rows
@@ -238,7 +253,7 @@ def _methods(analysis: Analysis) -> list[str]:
         ["thresholds beside 3.0 and 3.5", ", ".join(f"{t:g}" for t in options.thresholds) or "none"],
         ["sigma of", options.scope],
         ["rows", "all" if (first, last) == (0.0, 1.0) else f"{first:g} to {last:g} of the height"],
-        ["mask", "none, segmented" if options.mask is None else "given"],
+        ["regions", _made(analysis)],
         ["detectors", ", ".join(d.name for d in options.detectors) or "none"],
         ["seed", str(options.seed)],
         ["seaglint", __version__],

@@ -33,6 +33,13 @@ if TYPE_CHECKING:
 #: Colours of the regions, in every picture; distinct for colour-blind readers and in print.
 COLOURS: Final = {"all": "0.25", "glint": "#d95f02", "background": "#1f78b4"}
 
+#: Colours of given regions, in their order; more regions begin again.
+GIVEN_COLOURS: Final = ("#d95f02", "#1f78b4", "#1b9e77", "#e7298a", "#7570b3", "#a6761d", "#66a61e", "#e6ab02")
+
+MOST_ABREAST: Final = 4  #: Largest number of panels beside each other.
+
+MOST_IN_LEGEND: Final = 12  #: Largest number of lines in a legend.
+
 SLICED_ABOVE: Final = 3.0  #: Threshold of the slices, counted in every analysis [standard deviations].
 
 FAMILY_COLOURS: Final = dict(zip(FAMILIES, ("#1b9e77", "#7570b3", "#e7298a", "#a6761d", "#377eb8"), strict=True))
@@ -49,9 +56,25 @@ _MOST_BINS: Final = 150
 def panels_of(analysis: Analysis, height: float) -> tuple[Figure, list[tuple[Axes, str, Region]]]:
     """Return a figure of a height [in] and its panels, one for each region of the analysis."""
     number = len(analysis.regions)
-    figure = new_figure(max(5.0 * number, 7.0), height)
-    axes = figure.subplots(1, number, squeeze=False)[0]
-    return figure, [(a, name, region) for a, (name, region) in zip(axes, analysis.regions.items(), strict=True)]
+    across = min(number, MOST_ABREAST)
+    down = -(-number // across)
+    figure = new_figure(max(5.0 * across, 7.0), height * down)
+    axes = figure.subplots(down, across, squeeze=False).ravel()
+    for empty in axes[number:]:
+        empty.set_axis_off()
+    return figure, [(a, name, region) for a, (name, region) in zip(axes, analysis.regions.items(), strict=False)]
+
+
+def colour_of(analysis: Analysis, name: str) -> str:
+    """Return the colour of a region."""
+    return COLOURS.get(name) or GIVEN_COLOURS[analysis.names.index(name) % len(GIVEN_COLOURS) - 1]
+
+
+def write_legend(axes: Axes, size: float) -> None:
+    """Write a legend of a font size [pt], with the first ``MOST_IN_LEGEND`` lines."""
+    handles, labels = axes.get_legend_handles_labels()
+    title = f"the first {MOST_IN_LEGEND} of {len(labels)}" if len(labels) > MOST_IN_LEGEND else None
+    axes.legend(handles[:MOST_IN_LEGEND], labels[:MOST_IN_LEGEND], fontsize=size, title=title, title_fontsize=size)
 
 
 def write_in_panel(axes: Axes, text: str) -> None:
@@ -89,8 +112,10 @@ def draw_regions(analysis: Analysis) -> Figure:
     used = analysis.regions["all"].mask
     low, high = scale_limits(analysis.image[used])
     image = axes.imshow(analysis.image, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
-    handles = []
-    outlines = [("glint", COLOURS["glint"], analysis.regions["glint"].mask)] if "glint" in analysis.regions else []
+    handles: list[Line2D] = []
+    outlines = [
+        (name, colour_of(analysis, name), region.mask) for name, region in analysis.regions.items() if name not in ("all", "background")
+    ]
     if analysis.segmentation.sky.any():
         outlines.append(("smooth rows on top (sky, far sea), in neither region", "#66c2a5", analysis.segmentation.sky))
     for name, colour, mask in outlines:
@@ -98,7 +123,11 @@ def draw_regions(analysis: Analysis) -> Figure:
         axes.contour(
             np.arange(-1, columns + 1), np.arange(-1, rows + 1), np.pad(mask.astype(float), 1), levels=[0.5], colors=colour, linewidths=1.4
         )
-        handles.append(Line2D([], [], color=colour, label=name))
+        if len(handles) < MOST_IN_LEGEND:
+            handles.append(Line2D([], [], color=colour, label=name))
+        if analysis.options.regions is not None:
+            row, column = (float(np.median(place)) for place in np.nonzero(mask))
+            axes.text(column, row, name, color=colour, fontsize=8, ha="center", va="center")
     if not used.all():
         axes.imshow(np.ma.masked_array(np.ones(used.shape), used), cmap=ListedColormap([_LEFT_OUT]), alpha=0.6, interpolation="nearest")
         handles.append(
@@ -181,7 +210,7 @@ def draw_exceedances(analysis: Analysis) -> Figure:
             # The slowest curve sets the axis: ten of its correlation times.
             longest = max(longest, 10.0 * time if time is not None else 10.0)
             legend = f"{name}, {threshold:g} σ" + ("" if time is None else f": {time * seconds:.3g} {label}")
-            lines.append((legend, COLOURS[name], style, joint.joint, joint.correlation, joint.rate))
+            lines.append((legend, colour_of(analysis, name), style, joint.joint, joint.correlation, joint.rate))
     if not lines:
         reason = "a single frame: nothing can be said of time" if analysis.recording.frames == 1 else "no exceedances"
         write_in_panel(left, reason)
@@ -202,7 +231,7 @@ def draw_exceedances(analysis: Analysis) -> Figure:
     for axes in (left, right):
         axes.set(xlabel=f"lag [{label}]", xlim=(0.0, seconds * min(longest, most)))
         axes.grid(alpha=0.25)
-    right.legend(fontsize=8)
+    write_legend(right, 8)
     return figure
 
 
@@ -213,7 +242,7 @@ def draw_memory(analysis: Analysis) -> Figure:
     seconds, label = per_frame(analysis)
     reach, last = 10.0, 10.0
     for name, region in analysis.regions.items():
-        colour = COLOURS[name]
+        colour = colour_of(analysis, name)
         both = ("x", region.spatial.x, region.spatial.length_x, "-"), ("y", region.spatial.y, region.spatial.length_y, "--")
         for axis, rho, length, style in both:
             legend = f"{length:.3g} px" if math.isfinite(length) else "no 1/e"
@@ -254,7 +283,7 @@ def draw_memory(analysis: Analysis) -> Figure:
     _plane(figure, plane, analysis)
     for axes in (space, time, rings):
         if axes.lines:
-            axes.legend(fontsize=7)
+            write_legend(axes, 7)
             axes.grid(alpha=0.25, which="both")
     return figure
 
@@ -366,7 +395,7 @@ def draw_rates(analysis: Analysis) -> Figure:
         if not any(alarms.pixels for alarms in region.alarms.values()):
             write_in_panel(axes, "no pixel with a standard deviation")
             continue
-        _rate_panel(axes, region, COLOURS[name])
+        _rate_panel(axes, region, colour_of(analysis, name))
     panels[0][0].set_ylabel("false alarms per pixel and frame [1]")
     return figure
 

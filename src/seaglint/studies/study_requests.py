@@ -126,13 +126,23 @@ TIME_LIMIT: Final = Parameter(
 class AnalysisRequest(ReadingRequest):
     """Request to analyse a recording.
 
-    ``mask``, ``kernel`` and ``signature`` are arrays or :class:`~seaglint.studies.study_requests.WeightsFile`; filter and detectors are
-    names, or objects of :mod:`seaglint.clutter.filters` and ``seaglint.detection``.
+    ``mask``, ``regions``, ``kernel`` and ``signature`` are arrays or :class:`~seaglint.studies.study_requests.WeightsFile`, regions
+    also a path; filter and detectors are names, or objects of :mod:`seaglint.clutter.filters` and ``seaglint.detection``.
     """
 
     mask: Annotated[
         Any,
         Parameter("image or .npy, not zero where the sea glints; instead of the segmentation", form="mask", detail="In Python an array."),
+    ] = None
+    no_glint: Annotated[bool, Parameter("look for no glint corridor: all pixels are the only region")] = False
+    regions: Annotated[
+        Any,
+        Parameter(
+            "image or .npy of whole numbers, one region a number above 0, or .json of names and rectangles; instead of the segmentation",
+            form="regions",
+            python="Regions instead of glint and background: an array of whole numbers (rows, columns), 0 outside all regions, a mapping "
+            "of names to rectangles (``120:256,64:192``, rows and columns) or masks, or a file of such (an image, .npy or .json).",
+        ),
     ] = None
     rows: Annotated[
         tuple[float, float], Parameter("part of the rows to analyse", form="shares", detail="Shares of the height from the top [1].")
@@ -174,7 +184,7 @@ class AnalysisRequest(ReadingRequest):
     @property
     def files(self) -> list[Path]:
         """Files that are read beside the recording, which no result may replace."""
-        return [given.path for given in (self.mask, self.kernel, self.signature) if isinstance(given, WeightsFile)]
+        return [given.path for given in (self.mask, self.regions, self.kernel, self.signature) if isinstance(given, WeightsFile)]
 
     @contextmanager
     def ready(self) -> Iterator[AnalysisOptions]:
@@ -202,11 +212,13 @@ class AnalysisRequest(ReadingRequest):
         from seaglint.detection.interface import detector_of
         from seaglint.detection.isolated import running
         from seaglint.detection.named_detectors import named
+        from seaglint.formats.region_files import read_regions
 
         known: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(AnalysisOptions)}
         if isinstance(self.filter, str) or self.kernel is not None:
             known["filter"] = filter_of(self.filter, self.kernel, self.signature)
         known["mask"] = None if self.mask is None else np.asarray(values_of(self.mask), dtype=np.bool_)
+        known["regions"] = read_regions(self.regions) if isinstance(self.regions, str | Path) else values_of(self.regions)
         # A user's detector has its process, in which it can be ended.
         known["detectors"] = tuple(
             named(each) if isinstance(each, str) and ":" not in each else running(each, self.time_limit)

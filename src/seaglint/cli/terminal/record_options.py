@@ -64,6 +64,13 @@ def read_mask(path: Path) -> NDArray[np.bool_]:
     return np.asarray(np.nan_to_num(opened.read(0, 1)[0]) != 0.0)
 
 
+def _regions(path: Path) -> Any:
+    """Return the regions of a file."""
+    from seaglint.formats.region_files import read_regions
+
+    return read_regions(path)
+
+
 def raw_layout(text: str | None) -> Any:
     """Return the layout of a raw file from ``name=value`` pairs; None without a text."""
     if text is None:
@@ -198,7 +205,7 @@ def _option(field: Field[Any], hint: Any, text: Parameter | None) -> tuple[inspe
         return parameter, lambda value: tuple(value or ())
     elif text.form:
         # All other forms are texts, which their reader turns into numbers.
-        kind = Path | None if text.form in ("weights", "mask") else str | None
+        kind = Path | None if text.form in ("weights", "mask", "regions") else str | None
         default = None if default is None else WRITTEN.get(text.form, _commas)(default)
     parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info])
     return parameter, lambda value: None if value is None else reader(value, option)
@@ -238,6 +245,7 @@ READERS: Final[Mapping[str, Callable[[Any, str], Any]]] = {
     "shares": _shares,
     "weights": lambda path, _: WeightsFile(path, weights(path)),
     "mask": lambda path, _: WeightsFile(path, partial(read_mask, path)),
+    "regions": lambda path, _: WeightsFile(path, partial(_regions, path)),
     "raw": lambda text, _: raw_layout(text),
     "switch": lambda text, _: SWITCH[text],
 }
