@@ -95,9 +95,7 @@ class AnalysisOptions:
             if value is not None
         ]
         if len(ways) > 1:
-            raise DataError(
-                f"{' and '.join(f'`{name}`' for name in ways)} exclude each other; give one of them"
-            )
+            raise DataError(f"{' and '.join(f'`{name}`' for name in ways)} exclude each other; give one of them")
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,7 @@ def rate_ratio(first: FalseAlarmRate, second: FalseAlarmRate) -> RateRatio:
     if first.inflation is None or second.inflation is None or not (first.exceedances or second.exceedances):
         none = "no exceedances in either" if first.inflation is not None and second.inflation is not None else None
         return RateRatio(value, None, None, level, none or first.note or second.note)
-    widths = [rate.inflation * student_widening(rate.degrees, level) for rate in (first, second)]  # type: ignore[operator,arg-type]
+    widths = [rate.inflation * student_widening(rate.degrees, level) for rate in (first, second)]  # type: ignore[operator]
     k1, k2 = (rate.exceedances / width for rate, width in zip((first, second), widths, strict=True))
     pixels = (first.pixels / widths[0]) / (second.pixels / widths[1])
     # A count of few events has the exact interval, which is wider.

@@ -104,7 +104,16 @@ def comparison_report(
 
 
 def _rates(distances: TextureDistances, gaussian: Comparison | None) -> str:
-    head = ["threshold [σ]", "Gaussian tail", distances.first, "95 % interval", distances.second, "95 % interval", "second / first", "within the limit"]
+    head = [
+        "threshold [σ]",
+        "Gaussian tail",
+        distances.first,
+        "95 % interval",
+        distances.second,
+        "95 % interval",
+        "second / first",
+        "within the limit",
+    ]
     plain = None if gaussian is None else gaussian.distances.filtered_rates
     if plain is not None:
         head += ["Gaussian field", "Gaussian field / first"]

@@ -453,9 +453,7 @@ class FitRequest:
     model: Annotated[Literal["autobinomial", "gauss-markov"], Parameter("field of the texture")] = "gauss-markov"
     tails: Annotated[
         Literal["auto", "gaussian", "gamma", "lognormal", "k", "empirical", "noise"],
-        Parameter(
-            "distribution of the pixels, or 'noise' of the data's own distribution; 'auto': by the rates of pictures that the fit has not seen"
-        ),
+        Parameter("distribution of the pixels, or 'noise' of the data's own distribution; 'auto': the best by the rates of unseen halves"),
     ] = "auto"
     region: Annotated[str | None, Parameter("part of the picture in pixels, e.g. 120:248,64:192", metavar="ROWS,COLUMNS")] = None
     any_region: Annotated[bool, Parameter("fit also where the picture is not stationary")] = False

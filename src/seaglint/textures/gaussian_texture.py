@@ -9,11 +9,10 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.textures import gauss_markov_fit as estimation
-from seaglint.textures.gauss_markov import GaussMarkov, canonical, pseudo_log_likelihood
+from seaglint.textures.gauss_markov import GaussMarkov, Offset, canonical, pseudo_log_likelihood
 from seaglint.textures.long_tails import Innovations, innovations
 from seaglint.textures.marginals import EMPIRICAL, Marginal, Tails, fit_marginal
 from seaglint.textures.synthesis import Modulation, latent
@@ -173,12 +172,7 @@ def of_latent(marginal: Marginal, sample: NDArray[np.float32]) -> Marginal:
 
 
 def fit_texture(
-    data: ArrayLike,
-    law: Law | None = None,
-    *,
-    reach: Sequence[int] = REACH,
-    most: int = 16,
-    offsets: Sequence[estimation.Offset] | None = None,
+    data: ArrayLike, law: Law | None = None, *, reach: Sequence[int] = REACH, most: int = 16, offsets: Sequence[Offset] | None = None
 ) -> TextureFit:
     """Fit a texture of one law to a picture or sequence that is not periodic.
 
@@ -209,16 +203,12 @@ class FieldsOf:
     Parameters and errors as of ``fit_texture``.
     """
 
-    def __init__(
-        self, data: ArrayLike, *, reach: Sequence[int] = REACH, most: int = 16, offsets: Sequence[estimation.Offset] | None = None
-    ) -> None:
+    def __init__(self, data: ArrayLike, *, reach: Sequence[int] = REACH, most: int = 16, offsets: Sequence[Offset] | None = None) -> None:
         self._data = np.array(data, np.float64, ndmin=3)
         self._chosen = None if offsets is None else tuple(offsets)
         pool = neighbours(self._data.shape, reach) if self._chosen is None else self._chosen
         far = np.abs(np.array([*pool, (0, 0, 0)])).max(axis=0)
-        self._measured = estimation.covariances(
-            self._data, [min(int(r), (n - 1) // 2) for r, n in zip(far, self._data.shape, strict=True)]
-        )
+        self._measured = estimation.covariances(self._data, [min(int(r), (n - 1) // 2) for r, n in zip(far, self._data.shape, strict=True)])
         if not self._measured.at((0, 0, 0)) > 0.0:
             raise DataError("all values are equal: there is no texture to fit; choose another region")
         # A small picture has no covariances at the farthest distances: neighbours there are no candidates.

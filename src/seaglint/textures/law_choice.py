@@ -106,7 +106,7 @@ def deviate(ratio: RateRatio) -> float:
 
 
 def halves(data: Frames) -> tuple[Frames, Frames] | None:
-    """Divide data into two halves: in time from 16 frames on, else the left and the right, or the upper and the lower one; None if too small."""
+    """Divide data into two halves: in time from 16 frames on, else the left and right, or upper and lower ones; None if too small."""
     frames, rows, columns = data.shape
     if frames >= FRAMES:
         return data[: frames // 2], data[frames // 2 :]
@@ -160,7 +160,7 @@ def judge_laws(parts: tuple[Frames, Frames], laws: Sequence[Law], offsets: Seque
     seed : int
         Seed of the samples.
     """
-    found: dict[Law, tuple[RateRatio, ...]] = {law: () for law in laws}
+    found: dict[Law, tuple[RateRatio, ...]] = dict.fromkeys(laws, ())
     lost: set[Law] = set()
     for seen, other in (parts, parts[::-1]):
         fields, rates = FieldsOf(seen, offsets=offsets), laplacian_rates(other)
@@ -183,6 +183,7 @@ def candidates(tails: LawName | Literal["auto"], product: bool | None) -> tuple[
     >>> [law.name for law in candidates("gamma", None)]
     ['gamma values', 'gamma values times a slow scale']
     """
+    laws: tuple[Law, ...]
     if tails == "auto":
         laws = LAWS
     elif tails == "gaussian" and product is None:
@@ -210,5 +211,7 @@ def reasons(chosen: JudgedLaw, judged: Sequence[JudgedLaw]) -> tuple[str, ...]:
         better = "; it agrees as well, and the law that comes first in order is taken" if near.deviate <= chosen.deviate else ""
         out.append(f"next law: {near.text}{better}")
     if not chosen.agrees:
-        out.append("no law has the rates of both halves: the halves differ, or their tails have another cause; rates of samples are not certain")
+        out.append(
+            "no law has the rates of both halves: the halves differ, or their tails have another cause; rates of samples are not certain"
+        )
     return tuple(out)

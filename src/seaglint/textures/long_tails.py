@@ -6,9 +6,9 @@ calm patches alternate, and within a patch the fine structure itself is not Gaus
 
     e(w) = X(w) / sqrt(S(w)),
 
-with the spectral density S of the fitted field. Its local strength is the slow scale; divided by it, its values have the distribution of the
-noise. Noise of this distribution times a slow field of this variance and these lengths, filtered by sqrt(S), is a sample: its spectrum is
-exactly S.
+with the spectral density S of the fitted field. Its local strength is the slow scale; divided by it, its values have the distribution of
+the noise. Noise of this distribution times a slow field of this variance and these lengths, filtered by sqrt(S), is a sample: its
+spectrum is exactly S.
 """
 
 from __future__ import annotations
@@ -157,7 +157,13 @@ def _modulation(noise: Field, scale: Field, *, timed: bool) -> Modulation | None
     # The power is the square of the scale: its logarithm has four times the variance.
     low, high = SHAPES
     needed = 4.0 * variance
-    shape = low if needed >= polygamma(1, low) else high if needed <= polygamma(1, high) else brentq(lambda v: polygamma(1, v) - needed, low, high)
+    shape = (
+        low
+        if needed >= polygamma(1, low)
+        else high
+        if needed <= polygamma(1, high)
+        else brentq(lambda v: polygamma(1, v) - needed, low, high)
+    )
     return Modulation(float(shape), (_length_in_time(log) if timed else 0.5, float(y), float(x)))
 
 

@@ -180,7 +180,9 @@ def slow(modulation: Modulation, shape: Sequence[int], seed: int) -> Field:
     return _power(modulation.shape).transform(gaussian(shape, lambda k: across * (along[k] / mean), seed, "texture modulation"))
 
 
-def latent(model: GaussMarkov, shape: Sequence[int], seed: int, modulation: Modulation | None = None, noise: Marginal | None = None) -> Field:
+def latent(
+    model: GaussMarkov, shape: Sequence[int], seed: int, modulation: Modulation | None = None, noise: Marginal | None = None
+) -> Field:
     """Sample with mean 0 and variance 1 on a torus [1, (frames, rows, columns)], float32.
 
     Parameters
@@ -221,7 +223,7 @@ def rough(shape: Sequence[int], seed: int, modulation: Modulation | None = None,
 
 def _knots(noise: Marginal) -> tuple[FloatArray, FloatArray]:
     """Standard normal values and values of a distribution at them, for interpolation."""
-    return np.linspace(-REACH, REACH, noise.table.size), noise.table
+    return np.linspace(-REACH, REACH, noise.table.size), noise.table.astype(np.float64)
 
 
 def filtered(noise: Field, density: Density) -> Field:
