@@ -211,17 +211,17 @@ def sensor() -> Pairs:
 
 
 def textures() -> Pairs:
-    """The measured picture without glint."""
+    """The last measured picture."""
     from seaglint.formats.recording import open_recording
-    from texture_table import MEASURED, held_out, judged, row
+    from texture_table import MEASURED, row
 
     if not os.environ.get("SEAGLINT_DATA_DIR"):
         raise NotHereError("SEAGLINT_DATA_DIR is not set")
     name, region = MEASURED[-1]
     picture = open_recording(Path(os.environ["SEAGLINT_DATA_DIR"]) / "imagery" / f"{name}.png", channel="mean")
-    made = row(name, region, judged(picture, region), held_out(picture, region))
-    # the others are of one sample of the fit, whose draw depends on signs that linear algebra leaves open: they differ by machine
-    kept = (0, 1, 2, 3, 4, 7)
+    made, _, _ = row(name, region, picture, trend=True)
+    # the last cell is of one sample of the fit, whose draw depends on signs that linear algebra leaves open: it differs by machine
+    kept = range(9)
     old = cells("textures", name)
     return iter([(" | ".join(old[i] for i in kept), " | ".join(made[i] for i in kept))])
 

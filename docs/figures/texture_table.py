@@ -160,15 +160,7 @@ def main() -> None:
             within, one, holds, differs = counts(chosen)
             if chosen:
                 summary.append((name, threshold, str(len(chosen)), str(within), str(one), str(holds), str(differs)))
-    second = (
-        "data",
-        "threshold",
-        "halves",
-        f"ratio within {FACTOR:g}",
-        "interval contains 1",
-        f"interval within {FACTOR:g}",
-        "interval beyond",
-    )
+    second = ("data", "threshold", "halves", f"ratio within {FACTOR:g}", "interval contains 1", "interval within it", "interval beyond it")
     total = list(table(second, summary))
     print("\n".join([*lines, "", *total]), f"\n{time.process_time() - began:.0f} s of processor time")
     if "--print" in sys.argv[1:]:
