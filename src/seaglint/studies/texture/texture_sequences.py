@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
@@ -27,7 +27,8 @@ from seaglint.studies.study_requests import CompareRequest, FitRequest, SampleRe
 from seaglint.studies.texture.counted_pixels import counted_pixels, like
 from seaglint.textures.autobinomial_texture import AutobinomialTexture
 from seaglint.textures.autobinomial_texture import fit_texture as fit_autobinomial
-from seaglint.textures.gauss_markov import GaussMarkov
+from seaglint.textures.gauss_markov import GaussMarkov, Offset
+from seaglint.textures.gauss_markov_fit import NoOptimumError
 from seaglint.textures.gaussian_texture import FieldsOf, GaussianTexture, Law
 from seaglint.textures.law_choice import UNJUDGED, JudgedLaw, candidates, choose_law, halves, judge_laws, reasons
 from seaglint.textures.prediction import predict
@@ -201,7 +202,7 @@ def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, J
         law = laws[0] if len(laws) == 1 else UNJUDGED
         notes = (f"{_size(data)} is too small to be divided into two halves: no law could be judged, {law.name} are fitted",)
     else:
-        offsets = fields.fit(Law("gaussian")).texture.field.offsets
+        offsets = _offsets(fields, laws)
         judged = judge_laws(parts, laws, offsets, options.seed)
         chosen = choose_law(judged)
         law, notes = chosen.law, reasons(chosen, judged)
@@ -219,6 +220,16 @@ def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, J
         "correlation_error": result.correlation_error,
     }
     return result.texture, values, (*notes, *result.notes)
+
+
+def _offsets(fields: FieldsOf, laws: Sequence[Law]) -> tuple[Offset, ...]:
+    """Return the neighbours that the first law with a field needs: of the Gaussian one where it exists."""
+    for law in (Law("gaussian"), *laws[:-1]):
+        try:
+            return fields.fit(law).texture.field.offsets
+        except NoOptimumError:
+            continue
+    return fields.fit(laws[-1]).texture.field.offsets
 
 
 def _size(data: Frames) -> str:
@@ -258,7 +269,11 @@ def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> Gaus
     """Return the Gaussian texture of the same neighbourhood, for comparison."""
     if not isinstance(texture, GaussianTexture) or texture.law == Law("gaussian"):
         return None
-    return FieldsOf(data, offsets=texture.field.offsets).fit(Law("gaussian")).texture
+    try:
+        return FieldsOf(data, offsets=texture.field.offsets).fit(Law("gaussian")).texture
+    except NoOptimumError:
+        # The neighbours of the values' field need not have the covariances of the values.
+        return None
 
 
 def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | AutobinomialTexture) -> HeldOut:
