@@ -41,7 +41,7 @@ def test_fit_sample_compare(seaglint, recording, tmp_path) -> None:
     assert answer.code == 0, answer.err
     assert "a Gaussian field, 3.5 sigma" in answer.out
     held = json.loads(model.read_text())
-    assert held["version"] == 1
+    assert held["version"] == 2
     assert sorted(map(tuple, held["model"]["offsets"])) == [(0, 0, 1), (0, 1, 0), (1, 0, 1)]
     assert held["model"]["marginal"]["shape"] == pytest.approx(1.5, rel=0.15)
     assert held["quality"]["held_out"]["log_pseudo_likelihood"] > held["quality"]["held_out"]["independent_pixels"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,10 +12,13 @@ from seaglint.clutter.rate_ratios import RateRatio
 from seaglint.textures.gauss_markov import GaussMarkov
 from seaglint.textures.gaussian_texture import GaussianTexture, Law
 from seaglint.textures.law_choice import (
+    JUDGED,
     LAWS,
     JudgedLaw,
+    _some,
     candidates,
     choose_law,
+    deviate,
     halves,
     judge_laws,
     laplacian_rates,
@@ -96,14 +100,66 @@ def test_halves_of_pictures_and_sequences() -> None:
 
 def test_the_first_of_equals_is_chosen() -> None:
     def law(tails: str, *values: float) -> JudgedLaw:
-        return JudgedLaw(Law(tails), tuple(RateRatio(v, v / 2.0, v * 2.0) for v in values))  # type: ignore[arg-type]
+        ratios = tuple(RateRatio(v, v / 2.0, v * 2.0) for v in values)
+        return JudgedLaw(Law(tails), ratios, tuple(abs(math.log(v)) / math.log(2.0) for v in values))  # type: ignore[arg-type]
 
     near, nearer, far = law("gamma", 1.1, 0.95), law("noise", 1.05, 0.98), law("gaussian", 0.1, 0.1)
+    none = JudgedLaw(Law("k"), (), (), "no field has these correlations")
     assert choose_law([far, near, nearer]) is near
     assert far.deviate == pytest.approx(math.log(10.0) / math.log(2.0))
     assert not far.agrees
-    assert choose_law([JudgedLaw(Law("k"), ()), far]) is far
-    assert any("no law has the rates" in line for line in reasons(far, [far, JudgedLaw(Law("k"), ())]))
+    assert choose_law([none, far]) is far
+    assert any("no law has the rates" in line for line in reasons(far, [far, none]))
+    assert any("1 of 2 laws" in line for line in reasons(near, [near, far]))
+    assert "no field" in none.text
+    assert "not judged" in reasons(none, [none])[0]
+
+
+def test_deviates_use_the_interval_of_the_data_alone() -> None:
+    """At an end of the interval the deviate is 1, whatever the sample's own uncertainty."""
+    data = laplacian_rates(GaussianTexture(FIELD, Marginal()).sample((1, 200, 300), 1))[0]
+    for end in (data.rate_low, data.rate_high):
+        assert end is not None
+        for inflation in (1.0, 30.0):
+            sampled = replace(data, exceedances=round(end * 10**8), pixels=10**8, rate=end, inflation=inflation)
+            assert deviate(data, sampled) == pytest.approx(1.0, rel=1e-3)
+    assert deviate(replace(data, rate_low=None), data) is None
+    assert deviate(data, data) == 0.0
+
+
+def test_every_law_is_judged_in_a_sequence() -> None:
+    """Neighbours in time, 32 frames: a field and a sample of each law, also with a frame missing."""
+    moving = GaussMarkov(((0, 0, 1), (0, 1, 0), (1, 0, 1)), (0.15, 0.1, 0.15), 1.0)
+    data = GaussianTexture(moving, Marginal("gamma", 1.0, 1.0, 3.0)).sample((32, 48, 64), 2)
+    for missing in (False, True):
+        if missing:
+            data[5] = np.nan
+        parts = halves(data)
+        assert parts is not None
+        found = judge_laws(parts, LAWS, moving.offsets, 1)
+        assert [one.law for one in found if not one.ratios] == []
+        assert choose_law(found).law.tails in ("gamma", "lognormal", "empirical")
+
+
+def test_halves_have_the_same_number_of_pixels_that_count() -> None:
+    data = np.zeros((1, 64, 200), np.float32)
+    data[:, :, :90] = np.nan
+    left, right = halves(data) or (data, data)
+    assert np.isfinite(left).sum() == np.isfinite(right).sum()
+    clip = np.zeros((40, 24, 24), np.float32)
+    clip[:20] = np.nan
+    before, after = halves(clip) or (clip, clip)
+    assert (len(before), len(after)) == (30, 10)
+
+
+def test_large_halves_are_judged_by_their_middle() -> None:
+    wide = np.broadcast_to(np.arange(1000.0, dtype=np.float32), (1, 1000, 1000))
+    some = _some(wide)
+    assert some.size <= JUDGED
+    assert some.shape == (1, 632, 632)
+    assert float(some.mean()) == pytest.approx(499.5, abs=1.0)
+    clip = _some(np.broadcast_to(np.float32(1.0), (500, 64, 64)))
+    assert clip.shape == (97, 64, 64)
 
 
 def test_candidates_follow_the_request() -> None:

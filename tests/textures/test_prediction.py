@@ -58,10 +58,9 @@ def test_whole_numbers_have_the_probability_of_their_step(kind) -> None:
 
 
 def test_eight_bits_have_no_infinite_density() -> None:
-    """Quantiles of whole numbers are steps: slopes between them were 0, and the density nonsense of some hundred nat."""
+    """Quantiles of whole numbers are steps: slopes between them are 0, and a density would be nonsense of some hundred nat."""
     x = np.round(40.0 + 5.0 * sample(Marginal()))
     texture = GaussianTexture(FIELD, fit_marginal(x, "empirical"))
-    assert texture.pseudo_log_likelihood(x) > 50.0
     found = predict(texture, x)
     gaussian = predict(GaussianTexture(FIELD, Marginal("gaussian", 40.0, 5.0)), x)
     assert found.log_pseudo_likelihood == pytest.approx(gaussian.log_pseudo_likelihood, abs=0.01)

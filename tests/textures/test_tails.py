@@ -118,6 +118,17 @@ def test_a_fit_to_long_tails_has_them(law: Law) -> None:
     assert abs(kurtosis(fit_texture(data).texture.sample((1, 300, 300), 1))) < 0.2
 
 
+def test_a_scaled_sample_has_the_values_of_the_data() -> None:
+    """A field with a slow scale is not Gaussian: without its own transform its quantiles lie up to a fifth away."""
+    data = np.exp(0.5 * latent(FIELD, (1, 300, 300), 3, Modulation(0.5, (1.0, 25.0, 25.0))))
+    fitted = fit_texture(data, Law("empirical", scaled=True)).texture
+    assert fitted.transform is not None
+    share = np.array([0.01, 0.1, 0.5, 0.9, 0.99])
+    # Samples with one draw of the slow field: the mean of eight.
+    sampled = np.mean([np.quantile(fitted.sample((1, 300, 300), seed), share) for seed in range(8)], axis=0)
+    assert sampled == pytest.approx(np.quantile(data, share), rel=0.06)
+
+
 def test_values_of_a_field_that_is_not_gaussian() -> None:
     """Quantiles of the transformed field are those of the distribution, whatever the field's own."""
     field = latent(FIELD, (1, 512, 512), 1, Modulation(0.5, (1.0, 20.0, 20.0)))

@@ -17,7 +17,9 @@ from seaglint.textures.gaussian_texture import GaussianTexture
 from seaglint.version import __version__
 
 FORMAT: Final = "seaglint-texture"
-VERSION: Final = 1
+VERSION: Final = 2  #: Version of new files: 2 since textures have noise of their own.
+
+READ: Final = (1, 2)  #: Versions that are read.
 
 Texture = GaussianTexture | AutobinomialTexture
 
@@ -92,9 +94,9 @@ def read_texture(path: str | Path) -> StoredTexture:
     content = read_json(path, "give a file of 'seaglint texture fit'")
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise DataError(f"{path}: is no texture; give a file of 'seaglint texture fit'")
-    if content.get("version") != VERSION:
+    if content.get("version") not in READ:
         raise DataError(
-            f"{path}: has version {content.get('version')!r}, this seaglint ({__version__}) reads version {VERSION}; fit it anew, or "
+            f"{path}: has version {content.get('version')!r}, this seaglint ({__version__}) reads versions up to {VERSION}; fit it anew or "
             f"take the seaglint that wrote it ({content.get('seaglint', 'not said')})"
         )
     try:

@@ -263,7 +263,12 @@ def _maximise(likelihood: _Likelihood, start: FloatArray | None, tolerance: floa
 
 
 def fit(
-    data: ArrayLike | Covariances, offsets: Sequence[Sequence[int]], *, periodic: bool = False, start: Sequence[float] | None = None
+    data: ArrayLike | Covariances,
+    offsets: Sequence[Sequence[int]],
+    *,
+    periodic: bool = False,
+    start: Sequence[float] | None = None,
+    largest: tuple[Offset, Offset] | None = None,
 ) -> GaussMarkovFit:
     """Fit a field of a given neighbourhood.
 
@@ -277,6 +282,8 @@ def fit(
         Whether the field is a torus; the likelihood is then exact. Of ``Covariances`` it is theirs.
     start : sequence of float, optional
         Coefficients to begin at, which the optimum does not depend on; 0 by default.
+    largest : ((int, int, int), (int, int, int)), optional
+        Largest torus that represents an infinite plane, without and with time; ``LARGEST_TORUS`` by default.
 
     Returns
     -------
@@ -299,7 +306,7 @@ def fit(
     reach = np.abs(np.array([*requested, (0, 0, 0)])).max(axis=0)
     known = data if isinstance(data, Covariances) else covariances(data, [int(r) for r in reach], periodic=periodic)
     _require_pixels(known, len(requested))
-    likelihood = _Likelihood(known, requested)
+    likelihood = _Likelihood(known, requested, largest or LARGEST_TORUS)
     theta = None if start is None else np.array([1.0, *start]) / known.at((0, 0, 0))
     if theta is not None and not np.isfinite(likelihood.value(theta, likelihood.spectrum(theta))):
         raise DomainError("start: 1 - 2 sum b cos(w d) is not above 0 for every wave; give weights that sum to less than 1/2")

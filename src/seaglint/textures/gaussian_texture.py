@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.textures import gauss_markov_fit as estimation
-from seaglint.textures.gauss_markov import GaussMarkov, Offset, canonical, pseudo_log_likelihood
+from seaglint.textures.gauss_markov import GaussMarkov, Offset, canonical
 from seaglint.textures.long_tails import Innovations, innovations
 from seaglint.textures.marginals import EMPIRICAL, Marginal, Tails, fit_marginal
 from seaglint.textures.synthesis import Modulation, latent
@@ -24,7 +25,7 @@ REACH: Final = (2, 4, 4)  #: Farthest candidate neighbours, in frames, rows and 
 SPACE_IN_TIME: Final = 2  #: Farthest rows and columns of neighbours in other frames: waves move a pixel or two from one frame to the next.
 
 
-PILOT: Final = (1, 512, 512)  #: Sample of a field with a slow scale, from which its distribution is known.
+PILOT: Final = 260_000  #: Number of pixels of a sample of a field with a slow scale, from which its distribution is known.
 
 LawName = Tails | Literal["noise"]
 
@@ -72,6 +73,9 @@ class GaussianTexture:
     marginal: Marginal  #: Values of the pixels [u].
     modulation: Modulation | None = None  #: Slow field.
     noise: Marginal | None = None  #: Distribution of the white noise, of mean 0 and variance 1; Gaussian where None.
+    #: Transform that gives the values of a field with a slow scale, which is not Gaussian, the distribution ``marginal``; the same
+    #: transform as of a Gaussian field where None.
+    transform: Marginal | None = None
 
     @property
     def law(self) -> Law:
@@ -91,12 +95,7 @@ class GaussianTexture:
         DomainError
             A torus too small for the neighbourhood.
         """
-        return self.marginal.transform(latent(self.field, shape, seed, self.modulation, self.noise))
-
-    def pseudo_log_likelihood(self, data: ArrayLike) -> float:
-        """Mean log density of a pixel given its neighbours [per pixel, of values in u]; the slow field is not used."""
-        x = self.marginal.gaussian(data)
-        return pseudo_log_likelihood(self.field, x) - float(np.mean(self.marginal.log_slope(x)))
+        return (self.transform or self.marginal).transform(latent(self.field, shape, seed, self.modulation, self.noise))
 
     def to_dict(self) -> JsonObject:
         """Return the texture as values for JSON."""
@@ -105,6 +104,7 @@ class GaussianTexture:
             "marginal": self.marginal.to_dict(),
             "modulation": None if self.modulation is None else self.modulation.to_dict(),
             "noise": None if self.noise is None else self.noise.to_dict(),
+            "transform": None if self.transform is None else self.transform.to_dict(),
         }
 
     @classmethod
@@ -119,12 +119,14 @@ class GaussianTexture:
         if values.get("kind") != KIND:
             raise DataError(f"kind = {values.get('kind')!r}: not a Gauss-Markov texture; fit one with model = 'gauss-markov'")
         try:
-            slow, noise = values.get("modulation"), values.get("noise")
+            slow = values.get("modulation")
+            noise, transform = (None if one is None else Marginal.from_dict(one) for one in (values.get("noise"), values.get("transform")))
             return cls(
                 GaussMarkov.from_dict(values),
                 Marginal.from_dict(values["marginal"]),
                 None if slow is None else Modulation.from_dict(slow),
-                None if noise is None else Marginal.from_dict(noise),
+                noise,
+                transform,
             )
         except (KeyError, TypeError, IndexError) as error:
             raise DataError(f"not a whole Gauss-Markov texture ({error!r}): fit it anew") from error
@@ -150,6 +152,14 @@ def neighbours(shape: Sequence[int], reach: Sequence[int] = REACH) -> tuple[tupl
     # Other frames have fewer candidates: waves move by a pixel or two from frame to frame.
     in_others = estimation.candidates((time, min(reach[1], SPACE_IN_TIME), min(reach[2], SPACE_IN_TIME)))
     return tuple(sorted({canonical(d) for d in (*in_frame, *(d for d in in_others if d[0] > 0))}))
+
+
+def _pilot(model: GaussMarkov) -> tuple[int, int, int]:
+    """Torus of a sample of ``PILOT`` pixels."""
+    far = model.reach
+    deep = 1 if far[0] == 0 else 8 * far[0] + 1
+    side = int(math.sqrt(PILOT / deep))
+    return deep, max(side, 2 * far[1] + 1), max(side, 2 * far[2] + 1)
 
 
 def of_latent(marginal: Marginal, sample: NDArray[np.float32]) -> Marginal:
@@ -200,10 +210,18 @@ def fit_texture(
 class FieldsOf:
     """Fits of several laws to the same data: a field is fitted once for each distribution of the pixels.
 
-    Parameters and errors as of ``fit_texture``.
+    Parameters and errors as of ``fit_texture``; ``coarse`` takes the smaller torus of the search for neighbours, in a fraction of the time.
     """
 
-    def __init__(self, data: ArrayLike, *, reach: Sequence[int] = REACH, most: int = 16, offsets: Sequence[Offset] | None = None) -> None:
+    def __init__(
+        self,
+        data: ArrayLike,
+        *,
+        reach: Sequence[int] = REACH,
+        most: int = 16,
+        offsets: Sequence[Offset] | None = None,
+        coarse: bool = False,
+    ) -> None:
         self._data = np.array(data, np.float64, ndmin=3)
         self._chosen = None if offsets is None else tuple(offsets)
         pool = neighbours(self._data.shape, reach) if self._chosen is None else self._chosen
@@ -213,7 +231,7 @@ class FieldsOf:
             raise DataError("all values are equal: there is no texture to fit; choose another region")
         # A small picture has no covariances at the farthest distances: neighbours there are no candidates.
         self._pool = tuple(d for d in pool if all(abs(p) <= r for p, r in zip(d, self._measured.reach, strict=True)))
-        self._most = most
+        self._most, self._largest = most, estimation.SEARCHED if coarse else estimation.LARGEST_TORUS
         self._fields: dict[Tails, tuple[Marginal, estimation.GaussMarkovFit]] = {}
         self._noises: dict[Tails, Innovations] = {}
 
@@ -223,7 +241,7 @@ class FieldsOf:
         if kind not in self._fields:
             self._fields[kind] = self._field(kind)
         marginal, field = self._fields[kind]
-        noise, slow = None, None
+        noise, slow, transform = None, None, None
         if law.tails == "noise" or law.scaled:
             if kind not in self._noises:
                 self._noises[kind] = innovations(marginal.gaussian(self._data), field.model)
@@ -231,8 +249,8 @@ class FieldsOf:
             slow = behind.modulation if law.scaled else None
             noise = behind.law(scaled=slow is not None) if law.tails == "noise" else None
             if slow is not None and kind == "empirical":
-                marginal = of_latent(marginal, latent(field.model, PILOT, 0, slow))
-        return TextureFit(GaussianTexture(field.model, marginal, slow, noise), field, marginal.truncation, field.notes)
+                transform = of_latent(marginal, latent(field.model, _pilot(field.model), 0, slow))
+        return TextureFit(GaussianTexture(field.model, marginal, slow, noise, transform), field, marginal.truncation, field.notes)
 
     def _field(self, kind: Tails) -> tuple[Marginal, estimation.GaussMarkovFit]:
         marginal = fit_marginal(self._data[np.isfinite(self._data)], kind)
@@ -242,6 +260,6 @@ class FieldsOf:
         if self._chosen is None:
             return marginal, estimation.choose(latents, self._pool, self._most)
         try:
-            return marginal, estimation.fit(latents, self._pool)
+            return marginal, estimation.fit(latents, self._pool, largest=self._largest)
         except estimation.NoOptimumError:
-            return marginal, estimation.fit(latents.damped(), self._pool)
+            return marginal, estimation.fit(latents.damped(), self._pool, largest=self._largest)

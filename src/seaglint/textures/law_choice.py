@@ -2,8 +2,8 @@
 
 The data are divided into two halves. Each law is fitted to one half and judged by the other, and the reverse: the rates above 3 and 3.5
 standard deviations of the Laplacian of a sample, over those of the half. A ratio has an interval (:mod:`seaglint.clutter.rate_ratios`); its
-deviate is its logarithm over the half-width of the interval on the side of 1, beyond 1 where the interval leaves 1 out. The law with the
-smallest root mean square of its deviates is chosen, or the first in order of simplicity that is about as good.
+deviate of a law is the logarithm of the ratio over the half-width of the interval of the half alone, so that a law of uncertain rates gains
+nothing. The law with the smallest root mean square of its deviates is chosen, or the first in order that is about as good.
 """
 
 from __future__ import annotations
@@ -45,6 +45,8 @@ UNJUDGED: Final = Law("empirical")  #: Law of a picture that is too small to be 
 
 SAMPLED: Final = 300_000  #: Number of pixels of the sample of a law.
 
+JUDGED: Final = 400_000  #: Largest number of pixels of a half by which laws are judged.
+
 ALIKE: Final = 0.15  #: Difference of the mean deviates of two laws below which the simpler one is chosen [1].
 
 FRAMES: Final = 16  #: Least number of frames that are divided in time.
@@ -58,16 +60,18 @@ class JudgedLaw:
 
     law: Law
     ratios: tuple[RateRatio, ...]  #: Of both halves at 3 and at 3.5 standard deviations; empty where no field could be fitted.
+    deviates: tuple[float, ...] = ()  #: Deviates of the rates of samples from those of the halves [1]; see :func:`deviate`.
+    reason: str | None = None  #: Reason why no field could be fitted.
 
     @property
     def deviate(self) -> float:
-        """Root mean square deviate of the ratios from 1 [1]; below 1 they agree with the halves."""
-        return math.sqrt(sum(deviate(ratio) ** 2 for ratio in self.ratios) / len(self.ratios)) if self.ratios else math.inf
+        """Root mean square deviate [1]; below 1 the rates agree with the halves. Infinite where the law could not be judged."""
+        return math.sqrt(sum(value**2 for value in self.deviates) / len(self.deviates)) if self.deviates else math.inf
 
     @property
     def agrees(self) -> bool:
-        """True if all intervals contain 1."""
-        return bool(self.ratios) and all(deviate(ratio) <= 1.0 for ratio in self.ratios)
+        """True if the intervals of all rates contain the rates of samples."""
+        return bool(self.deviates) and max(self.deviates) <= 1.0
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and words."""
@@ -76,45 +80,66 @@ class JudgedLaw:
             {"half": half, "threshold_sigma": m, "ratio": r.value, "interval": r.interval, "note": r.note}
             for (half, m), r in zip(labels, self.ratios, strict=False)
         ]
-        return {"law": self.law.name, "deviate": self.deviate if self.ratios else None, "agrees": self.agrees, "ratios": rows}
+        known = self.deviate if self.deviates else None
+        return {"law": self.law.name, "deviate": known, "agrees": self.agrees, "ratios": rows, "reason": self.reason}
 
     @property
     def text(self) -> str:
         """Law and ratios in words."""
-        if not self.ratios:
-            return f"{self.law.name}: no field has these correlations"
-        return f"{self.law.name}: {', '.join(ratio.text for ratio in self.ratios)}"
+        return f"{self.law.name}: {self.reason or ', '.join(ratio.text for ratio in self.ratios)}"
 
 
-def deviate(ratio: RateRatio) -> float:
-    """Return the logarithm of a ratio over the half-width of its interval on the side of 1 [1]: above 1 the interval leaves 1 out.
+def deviate(data: FalseAlarmRate, sampled: FalseAlarmRate) -> float | None:
+    """Return how far the rate of a sample lies from the rate of data, over the half-width of the interval of the data on its side [1].
 
-    Examples
-    --------
-    >>> round(deviate(RateRatio(0.5, 0.25, 1.0)), 3), round(deviate(RateRatio(2.0, 1.0, 8.0)), 3), deviate(RateRatio(None, None, None))
-    (1.0, 1.0, 0.0)
+    Both in logarithms, so that the interval of the data alone decides, for all laws alike: above 1 it leaves the rate of the sample out.
+    None without an interval.
     """
-    if ratio.low is None:
-        return 0.0
-    if ratio.high is None:
-        return 0.0 if ratio.low <= 1.0 else 1.0 + math.log(ratio.low)
-    if not ratio.value:
-        return 0.0 if ratio.high >= 1.0 else 1.0 - math.log(ratio.high)
-    end = ratio.high if ratio.value < 1.0 else ratio.low
-    width = abs(math.log(end / ratio.value)) if end > 0.0 else math.inf
-    return abs(math.log(ratio.value)) / width
+    if data.rate_low is None or data.rate_high is None or data.pixels == 0 or sampled.pixels == 0:
+        return None
+    # Half an exceedance replaces none.
+    own, other = (max(rate.exceedances, 0.5) / rate.pixels for rate in (data, sampled))
+    end = data.rate_high if other > own else max(data.rate_low, 1e-3 * own)
+    width = max(abs(math.log(end / own)), 1e-9)
+    return abs(math.log(other / own)) / width
 
 
 def halves(data: Frames) -> tuple[Frames, Frames] | None:
-    """Divide data into two halves: in time from 16 frames on, else the left and right, or upper and lower ones; None if too small."""
+    """Divide data where half of the pixels that count lie on either side.
+
+    In time from 16 frames on, else into a left and a right, or an upper and a lower part; None if a part would be too small.
+    """
     frames, rows, columns = data.shape
+    known = np.isfinite(data)
     if frames >= FRAMES:
-        return data[: frames // 2], data[frames // 2 :]
+        middle = _middle(known.sum(axis=(1, 2)), FRAMES // 2)
+        return data[:middle], data[middle:]
     if columns >= 2 * LEAST_SIDE and (columns >= rows or rows < 2 * LEAST_SIDE):
-        return data[:, :, : columns // 2], data[:, :, columns // 2 :]
+        middle = _middle(known.sum(axis=(0, 1)), LEAST_SIDE)
+        return data[:, :, :middle], data[:, :, middle:]
     if rows >= 2 * LEAST_SIDE:
-        return data[:, : rows // 2], data[:, rows // 2 :]
+        middle = _middle(known.sum(axis=(0, 2)), LEAST_SIDE)
+        return data[:, :middle], data[:, middle:]
     return None
+
+
+def _middle(counts: NDArray[np.int64], least: int) -> int:
+    """Return where the sum of counts is nearest to half, not nearer to an end than ``least``."""
+    total = np.cumsum(counts)
+    middle = 1 + int(np.argmin(np.abs(total - 0.5 * total[-1])))
+    return min(max(middle, least), counts.size - least)
+
+
+def _some(part: Frames) -> Frames:
+    """Return a half of at most ``JUDGED`` pixels: its middle frames, or its middle."""
+    frames, rows, columns = part.shape
+    if part.size <= JUDGED:
+        return part
+    count = min(max(JUDGED // (rows * columns), 1), frames)
+    share = math.sqrt(min(JUDGED / (count * rows * columns), 1.0))
+    sizes = (count, int(share * rows), int(share * columns))
+    firsts = [(n - size) // 2 for n, size in zip(part.shape, sizes, strict=True)]
+    return part[tuple(slice(first, first + size) for first, size in zip(firsts, sizes, strict=True))]
 
 
 def laplacian_rates(frames: Frames) -> list[FalseAlarmRate]:
@@ -159,20 +184,29 @@ def judge_laws(parts: tuple[Frames, Frames], laws: Sequence[Law], offsets: Seque
         Neighbours of the field.
     seed : int
         Seed of the samples.
+
+    Raises
+    ------
+    DataError
+        A half with too few pixels that count.
     """
-    found: dict[Law, tuple[RateRatio, ...]] = dict.fromkeys(laws, ())
-    lost: set[Law] = set()
-    for seen, other in (parts, parts[::-1]):
-        fields, rates = FieldsOf(seen, offsets=offsets), laplacian_rates(other)
+    ratios: dict[Law, list[RateRatio]] = {law: [] for law in laws}
+    deviates: dict[Law, list[float]] = {law: [] for law in laws}
+    reasons: dict[Law, str] = {}
+    first, second = map(_some, parts)
+    for seen, other in ((first, second), (second, first)):
+        fields, rates = FieldsOf(seen, offsets=offsets, coarse=True), laplacian_rates(other)
         for law in laws:
             try:
                 sampled = sampled_rates(fields.fit(law).texture, other.shape, seed)
-            except (DataError, DomainError):
-                # No field has the correlations that this law needs.
-                lost.add(law)
+            except (DataError, DomainError) as error:
+                reasons[law] = str(error)
                 continue
-            found[law] += tuple(rate_ratio(a, b) for a, b in zip(rates, sampled, strict=True))
-    return [JudgedLaw(law, () if law in lost else found[law]) for law in laws]
+            ratios[law] += [rate_ratio(a, b) for a, b in zip(rates, sampled, strict=True)]
+            deviates[law] += [value for a, b in zip(rates, sampled, strict=True) if (value := deviate(a, b)) is not None]
+    return [
+        JudgedLaw(law, (), (), reasons[law]) if law in reasons else JudgedLaw(law, tuple(ratios[law]), tuple(deviates[law])) for law in laws
+    ]
 
 
 def candidates(tails: LawName | Literal["auto"], product: bool | None) -> tuple[Law, ...]:
@@ -201,8 +235,8 @@ def choose_law(judged: Sequence[JudgedLaw]) -> JudgedLaw:
 
 def reasons(chosen: JudgedLaw, judged: Sequence[JudgedLaw]) -> tuple[str, ...]:
     """Return why a law was chosen, in sentences for a report."""
-    if not chosen.ratios:
-        return (f"{chosen.law.name}: no half could be judged",)
+    if not chosen.deviates:
+        return (f"law: {chosen.law.name}, not judged: {chosen.reason or 'the rates of the halves have no intervals'}",)
     rates = f"sample over unseen half, above {' and '.join(f'{m:g}' for m in THRESHOLDS)} sigma of the Laplacian"
     out = [f"law: {chosen.text} ({rates}; first and second half)"]
     others = [one for one in judged if one is not chosen and one.ratios]

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import decay, spatial_correlation
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
@@ -98,14 +99,21 @@ def innovations(values: ArrayLike, model: GaussMarkov) -> Innovations:
 
 
 def _nearest(x: Field, known: NDArray[np.bool_]) -> Field:
-    """Fill pixels that do not count with the nearest ones that do, frame by frame."""
+    """Fill pixels that do not count with the nearest ones that do, frame by frame, and frames without any with the nearest frame."""
     from scipy.ndimage import distance_transform_edt
 
+    if not known.any():
+        raise DataError("no pixel counts: there is no texture to fit; choose another region")
     out = x.copy()
+    filled = known.any(axis=(1, 2))
     for frame, good in zip(out, known, strict=True):
         if not good.all() and good.any():
             places = distance_transform_edt(~good, return_distances=False, return_indices=True)
             frame[...] = frame[tuple(places)]
+    if not filled.all():
+        # A frame without a value is the nearest one that has some.
+        numbers = np.flatnonzero(filled)
+        out[~filled] = out[numbers[np.abs(np.flatnonzero(~filled)[:, None] - numbers).argmin(axis=1)]]
     return out
 
 

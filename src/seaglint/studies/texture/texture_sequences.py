@@ -43,6 +43,8 @@ Kind = Literal["autobinomial", "gauss-markov"]
 
 MOST_VALUES: Final = 3_000_000  #: Pixels of a sequence that a texture is fitted to: parameters are then known to a part in a thousand.
 
+FEWEST_JUDGED: Final = 2000  #: Least number of pixels of a half by which laws are judged: some three exceedances of 3 sigma.
+
 STILL: Final = 8  #: Frames from which on correlations in time are fitted.
 
 NOMINAL_RATE: Final = 25.0  #: Frame rate of a sample whose data had none [Hz].
@@ -196,11 +198,13 @@ def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, J
     fields = FieldsOf(data)
     laws = candidates(options.tails, options.product)
     parts = halves(data)
+    if parts is not None and min(np.count_nonzero(np.isfinite(part)) for part in parts) < FEWEST_JUDGED:
+        parts = None
     judged: list[JudgedLaw] = []
     notes: tuple[str, ...] = ()
     if parts is None:
         law = laws[0] if len(laws) == 1 else UNJUDGED
-        notes = (f"{_size(data)} is too small to be divided into two halves: no law could be judged, {law.name} are fitted",)
+        notes = (f"{_size(data)} has too few pixels that count for two halves: no law could be judged, {law.name} fitted",)
     else:
         offsets = _offsets(fields, laws)
         judged = judge_laws(parts, laws, offsets, options.seed)
@@ -287,7 +291,7 @@ def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | Auto
         fitted_half, other_half = data[:, :, :middle], data[:, :, middle:]
     try:
         if isinstance(texture, GaussianTexture):
-            found = predict(FieldsOf(fitted_half, offsets=texture.field.offsets).fit(Law(texture.marginal.kind)).texture, other_half)
+            found = predict(FieldsOf(fitted_half, offsets=texture.field.offsets).fit(Law(texture.law.values)).texture, other_half)
             if found.log_pseudo_likelihood is None:
                 return HeldOut(None, None, found.reason, None, found.outside, found.step)
             known, other = (half if np.isfinite(half).all() else half[np.isfinite(half)] for half in (fitted_half, other_half))
@@ -410,6 +414,10 @@ def _what(stored: StoredTexture) -> str:
     return "a single picture" if frames == 1 else f"{frames} frames, in which time changes nothing"
 
 
+#: Note of files from before the key ``detrended``, whose data were also divided by their slow contrast.
+OLDER_NOTE: Final = "slow changes of mean and contrast were taken off"
+
+
 class ComparedTextures(NamedTuple):
     """Comparison of two textures."""
 
@@ -459,6 +467,8 @@ def compare_textures(first: Any, second: Any, opened: Callable[[Any], Recording]
         if stored is not None and _was_detrended(stored) and not detrend:
             detrend = True
             notes.append(f"slow changes of the mean are taken off both: {names[i]} was fitted to data without them")
+            if OLDER_NOTE in stored.notes:
+                notes.append(f"{names[i]} was fitted to data without slow changes of contrast, which remain in the data: fit it anew")
     if request.detrend:
         notes.append("slow changes of the mean were taken off both")
     for i, one in enumerate(given):
@@ -486,8 +496,7 @@ def compare_textures(first: Any, second: Any, opened: Callable[[Any], Recording]
 
 
 def _was_detrended(stored: StoredTexture) -> bool:
-    # Files from before the key have the note.
-    return bool(stored.source.get("detrended")) or "slow changes of the mean were taken off" in stored.notes
+    return bool(stored.source.get("detrended")) or OLDER_NOTE in stored.notes
 
 
 def _compared(recording: Recording, region: str, request: CompareRequest, name: str, *, detrend: bool) -> tuple[Frames, tuple[str, ...]]:
