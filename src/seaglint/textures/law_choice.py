@@ -242,9 +242,11 @@ def reasons(chosen: JudgedLaw, judged: Sequence[JudgedLaw]) -> tuple[str, ...]:
     others = [one for one in judged if one is not chosen and one.ratios]
     if others:
         near = min(others, key=lambda one: one.deviate)
-        better = "; it agrees as well, and the law that comes first in order is taken" if near.deviate <= chosen.deviate else ""
-        out.append(f"next law: {near.text}{better}")
-    if not chosen.agrees:
+        better = "; about as good, and the first in order is taken" if near.deviate <= chosen.deviate else ""
+        out.append(f"next best law: {near.text}{better}")
+    if chosen.agrees and others:
+        out.append(f"{sum(one.agrees for one in judged)} of {len(judged)} laws agree with the rates of both halves")
+    elif not chosen.agrees:
         out.append(
             "no law has the rates of both halves: the halves differ, or their tails have another cause; rates of samples are not certain"
         )
