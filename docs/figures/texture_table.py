@@ -29,7 +29,7 @@ from seaglint.studies.sequence.render_sequence import render
 from seaglint.studies.study_requests import FitRequest
 from seaglint.studies.texture.counted_pixels import counted_pixels
 from seaglint.studies.texture.texture_sequences import Fitted, detrended, fit, frames_of
-from seaglint.textures.gaussian_texture import FieldsOf, Law
+from seaglint.textures.gaussian_texture import FieldsOf, TextureLaw
 from seaglint.textures.law_choice import LAWS, Frames, choose_law, halves, judge_laws, laplacian_rates, sampled_rates
 from seaglint.textures.suitability import parse_region
 from validation_tables import DOCS, ROOT, table, write_table
@@ -98,13 +98,13 @@ def prepared(recording: Recording, region: str | None) -> Frames:
     return counted_pixels(frames_of(recording, part), recording, part).frames
 
 
-def predicted(seen: Frames, other: Frames, law: Law | None = None) -> tuple[Law, list[RateRatio]]:
+def predicted(seen: Frames, other: Frames, law: TextureLaw | None = None) -> tuple[TextureLaw, list[RateRatio]]:
     """Law chosen by and fitted to one half alone, or the given one, and ratios of its rates to those of the other half."""
     fields = FieldsOf(seen)
-    offsets = fields.fit(Law("gaussian")).texture.field.offsets
+    offsets = fields.fit(TextureLaw("gaussian")).texture.field.offsets
     parts = halves(seen)
     if law is None:
-        law = Law("empirical") if parts is None else choose_law(judge_laws(parts, LAWS, offsets, 0)).law
+        law = TextureLaw("empirical") if parts is None else choose_law(judge_laws(parts, LAWS, offsets, 0)).law
     sampled = sampled_rates(fields.fit(law).texture, other.shape, 0)
     return law, [rate_ratio(a, b) for a, b in zip(laplacian_rates(other), sampled, strict=True)]
 
@@ -119,7 +119,7 @@ def row(name: str, region: str, recording: Recording, *, trend: bool) -> tuple[l
     for seen, other in ((first, second), (second, first)):
         law, ours = predicted(seen, other)
         ratios += ours
-        plain += predicted(seen, other, Law("gaussian"))[1]
+        plain += predicted(seen, other, TextureLaw("gaussian"))[1]
         cells += [law.name, *(ratio.text for ratio in ours)]
     quality = found.comparison.distances
     cells.append(", ".join(f"{ratio.value:.2f}" if ratio.value is not None else "-" for ratio in plain))

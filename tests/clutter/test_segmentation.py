@@ -6,7 +6,7 @@ from scipy.ndimage import gaussian_filter
 
 import corridor_verdicts
 from seaglint.base.errors import DataError
-from seaglint.clutter.segmentation import Sparkle, _refusal, otsu_threshold, segment
+from seaglint.clutter.segmentation import FineStructure, _refusal, otsu_threshold, segment
 from seaglint.formats.recording import open_recording
 
 ROWS, COLUMNS = 192, 256
@@ -264,7 +264,7 @@ def in_noise(strength):
 )
 def test_each_criterion_refuses_beyond_its_limit(change, says):
     """A clear corridor, with one number changed."""
-    fine = Sparkle(2.0, 2.2, skewness_within=0.4, skewness_beside=1.0, error=0.05)
+    fine = FineStructure(2.0, 2.2, skewness_within=0.4, skewness_beside=1.0, error=0.05)
     known = {"symmetry": 0.95, "contrast": 3.0, "step": 0.3} | {k: v for k, v in change.items() if k in ("symmetry", "contrast", "step")}
     reason = _refusal(**known, sparkle=replace(fine, **{k: v for k, v in change.items() if k not in known}))
     assert says in reason if says else reason == ""

@@ -9,7 +9,7 @@ import pytest
 
 from seaglint.formats.recording import open_recording
 from seaglint.studies.texture.texture_sequences import detrended
-from seaglint.textures.gaussian_texture import Law
+from seaglint.textures.gaussian_texture import TextureLaw
 from seaglint.textures.law_choice import halves
 from texture_table import LONGWAVE, MEASURED, counts, predicted, prepared, rendered, row
 
@@ -50,7 +50,7 @@ def test_measured_pictures_hold(data_dir) -> None:
         first, second = (detrended(part) for part in halves(prepared(picture, region)))
         for seen, other in ((first, second), (second, first)):
             ratios += predicted(seen, other)[1]
-            plain += predicted(seen, other, Law("gaussian"))[1]
+            plain += predicted(seen, other, TextureLaw("gaussian"))[1]
     within, one, _, differs = counts(ratios[::2])
     assert (within, one, differs) >= (20, 20, 0)
     assert differs <= 2

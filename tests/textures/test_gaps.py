@@ -9,7 +9,7 @@ from seaglint.base.errors import DataError
 from seaglint.studies.texture.texture_sequences import detrended
 from seaglint.textures.gauss_markov import GaussMarkov
 from seaglint.textures.gauss_markov_fit import covariances, fit
-from seaglint.textures.gaussian_texture import Law, fit_texture
+from seaglint.textures.gaussian_texture import TextureLaw, fit_texture
 from seaglint.textures.long_tails import interior
 from seaglint.textures.marginals import fit_marginal
 from seaglint.textures.quality import compare, cooccurrence
@@ -114,6 +114,6 @@ def test_scattered_gaps_leave_a_spectrum() -> None:
 
 def test_a_texture_is_fitted_to_what_is_left() -> None:
     x = with_gaps(np.exp(0.5 * picture(10, (1, 128, 128))))
-    found = fit_texture(x, Law("lognormal"))
+    found = fit_texture(x, TextureLaw("lognormal"))
     assert found.texture.marginal.mean == pytest.approx(np.nanmean(x), rel=0.1)
     assert found.field.pixels == np.isfinite(x).sum()

@@ -10,7 +10,7 @@ import pytest
 
 from seaglint.clutter.rate_ratios import RateRatio
 from seaglint.textures.gauss_markov import GaussMarkov
-from seaglint.textures.gaussian_texture import GaussianTexture, Law
+from seaglint.textures.gaussian_texture import GaussianTexture, TextureLaw
 from seaglint.textures.law_choice import (
     JUDGED,
     LAWS,
@@ -33,7 +33,7 @@ FIELD = GaussMarkov(OFFSETS, (0.2, 0.15), 1.0)
 SHAPE = (1, 160, 320)
 
 
-def judged(texture: GaussianTexture, laws: tuple[Law, ...] = LAWS) -> tuple[JudgedLaw, list[JudgedLaw]]:
+def judged(texture: GaussianTexture, laws: tuple[TextureLaw, ...] = LAWS) -> tuple[JudgedLaw, list[JudgedLaw]]:
     parts = halves(texture.sample(SHAPE, 5))
     assert parts is not None
     found = judge_laws(parts, laws, OFFSETS, 1)
@@ -42,7 +42,7 @@ def judged(texture: GaussianTexture, laws: tuple[Law, ...] = LAWS) -> tuple[Judg
 
 def test_a_gaussian_field_is_gaussian() -> None:
     chosen, _ = judged(GaussianTexture(FIELD, Marginal("gaussian", 20.0, 3.0)))
-    assert chosen.law == Law("gaussian")
+    assert chosen.law == TextureLaw("gaussian")
     assert chosen.agrees
 
 
@@ -54,8 +54,8 @@ def test_sparse_glints_are_recognised_by_their_values(kind: str) -> None:
     assert chosen.law.tails in ("gamma", "lognormal", "empirical")
     assert chosen.agrees
     by_law = {one.law: one for one in found}
-    assert by_law[Law(kind)].agrees  # type: ignore[arg-type]
-    assert not by_law[Law("gaussian")].agrees
+    assert by_law[TextureLaw(kind)].agrees  # type: ignore[arg-type]
+    assert not by_law[TextureLaw("gaussian")].agrees
 
 
 def test_long_tailed_noise_is_recognised() -> None:
@@ -67,14 +67,14 @@ def test_long_tailed_noise_is_recognised() -> None:
     chosen = choose_law(list(found.values()))
     assert chosen.law.tails == "noise"
     assert chosen.agrees
-    for law in (Law("gaussian"), Law("gamma"), Law("lognormal")):
+    for law in (TextureLaw("gaussian"), TextureLaw("gamma"), TextureLaw("lognormal")):
         assert found[law].deviate > 2.0
 
 
 def test_a_slow_scale_is_recognised_and_kept() -> None:
     texture = GaussianTexture(FIELD, Marginal(), Modulation(1.5, (1.0, 25.0, 25.0)))
-    chosen, _ = judged(texture, (Law("gaussian"), Law("gamma"), Law("gaussian", scaled=True)))
-    assert chosen.law == Law("gaussian", scaled=True)
+    chosen, _ = judged(texture, (TextureLaw("gaussian"), TextureLaw("gamma"), TextureLaw("gaussian", scaled=True)))
+    assert chosen.law == TextureLaw("gaussian", scaled=True)
 
 
 def test_a_sample_of_many_tiles_has_the_rate_of_one_picture() -> None:
@@ -101,10 +101,10 @@ def test_halves_of_pictures_and_sequences() -> None:
 def test_the_first_of_equals_is_chosen() -> None:
     def law(tails: str, *values: float) -> JudgedLaw:
         ratios = tuple(RateRatio(v, v / 2.0, v * 2.0) for v in values)
-        return JudgedLaw(Law(tails), ratios, tuple(abs(math.log(v)) / math.log(2.0) for v in values))  # type: ignore[arg-type]
+        return JudgedLaw(TextureLaw(tails), ratios, tuple(abs(math.log(v)) / math.log(2.0) for v in values))  # type: ignore[arg-type]
 
     near, nearer, far = law("gamma", 1.1, 0.95), law("noise", 1.05, 0.98), law("gaussian", 0.1, 0.1)
-    none = JudgedLaw(Law("k"), (), (), "no field has these correlations")
+    none = JudgedLaw(TextureLaw("k"), (), (), "no field has these correlations")
     assert choose_law([far, near, nearer]) is near
     assert far.deviate == pytest.approx(math.log(10.0) / math.log(2.0))
     assert not far.agrees
@@ -165,6 +165,6 @@ def test_large_halves_are_judged_by_their_middle() -> None:
 def test_candidates_follow_the_request() -> None:
     assert candidates("auto", None) == LAWS
     assert all(law.scaled for law in candidates("auto", True))
-    assert candidates("gaussian", None) == (Law("gaussian"),)
-    assert candidates("k", False) == (Law("k"),)
-    assert candidates("noise", True) == (Law("noise", scaled=True),)
+    assert candidates("gaussian", None) == (TextureLaw("gaussian"),)
+    assert candidates("k", False) == (TextureLaw("k"),)
+    assert candidates("noise", True) == (TextureLaw("noise", scaled=True),)

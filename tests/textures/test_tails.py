@@ -8,7 +8,7 @@ from scipy.special import polygamma
 
 from seaglint.clutter.filters import Laplacian
 from seaglint.textures.gauss_markov import GaussMarkov
-from seaglint.textures.gaussian_texture import GaussianTexture, Law, fit_texture, of_latent
+from seaglint.textures.gaussian_texture import GaussianTexture, TextureLaw, fit_texture, of_latent
 from seaglint.textures.long_tails import PATCH, innovations, interior
 from seaglint.textures.marginals import Marginal, fit_marginal
 from seaglint.textures.synthesis import Modulation, density_of, filtered, latent, rough, whitened
@@ -99,12 +99,12 @@ def test_samples_with_noise_and_scale_keep_the_spectrum_and_their_bytes() -> Non
     texture = GaussianTexture(FIELD, Marginal("gaussian", 5.0, 2.0), Modulation(2.0, (1.0, 12.0, 12.0)), law)
     again = GaussianTexture.from_dict(texture.to_dict())
     assert again == texture
-    assert texture.law == Law("noise", scaled=True)
+    assert texture.law == TextureLaw("noise", scaled=True)
     assert again.sample((1, 64, 80), 3).tobytes() == texture.sample((1, 64, 80), 3).tobytes()
 
 
-@pytest.mark.parametrize("law", [Law("noise"), Law("noise", scaled=True), Law("empirical", scaled=True)])
-def test_a_fit_to_long_tails_has_them(law: Law) -> None:
+@pytest.mark.parametrize("law", [TextureLaw("noise"), TextureLaw("noise", scaled=True), TextureLaw("empirical", scaled=True)])
+def test_a_fit_to_long_tails_has_them(law: TextureLaw) -> None:
     """Laplacian of samples: kurtosis of the data within a fifth, where a Gaussian fit has none."""
     noise = np.random.default_rng(6).laplace(0.0, 1.0, (1, 300, 300)).astype(np.float32)
     data = filtered(noise, density_of(FIELD, noise.shape)) if law.tails == "noise" else np.exp(0.4 * latent(FIELD, (1, 300, 300), 7))
@@ -121,7 +121,7 @@ def test_a_fit_to_long_tails_has_them(law: Law) -> None:
 def test_a_scaled_sample_has_the_values_of_the_data() -> None:
     """A field with a slow scale is not Gaussian: without its own transform its quantiles lie up to a fifth away."""
     data = np.exp(0.5 * latent(FIELD, (1, 300, 300), 3, Modulation(0.5, (1.0, 25.0, 25.0))))
-    fitted = fit_texture(data, Law("empirical", scaled=True)).texture
+    fitted = fit_texture(data, TextureLaw("empirical", scaled=True)).texture
     assert fitted.transform is not None
     share = np.array([0.01, 0.1, 0.5, 0.9, 0.99])
     # Samples with one draw of the slow field: the mean of eight.

@@ -26,7 +26,7 @@ def given_regions(given: Any, rows: int, columns: int) -> tuple[dict[str, BoolAr
     ----------
     given : array_like or mapping
         Numbers (rows, columns): pixels of 0 are in no region, those of another number are the region of this name. Or names with
-        rectangles ``ROWS,COLUMNS`` (:func:`seaglint.textures.suitability.parse_region`) or masks (rows, columns).
+        rectangles ``ROWS,COLUMNS`` (``seaglint.textures.suitability.parse_region``) or masks (rows, columns).
     rows, columns : int
         Size of the frames [px].
 

@@ -78,7 +78,7 @@ class RateRatio:
         Examples
         --------
         >>> RateRatio(1.153, 0.8, 1.62).text
-        '1.15 (0.80 to 1.6)'
+        '1.15 (0.80 to 1.62)'
         """
         value = "-" if self.value is None else _digits(self.value)
         if self.low is None:

@@ -54,7 +54,7 @@ MOST_STRUCTURE_SATURATED = 0.85  # of the brightness's ratio: a gain raises both
 
 
 @dataclass(frozen=True)
-class Sparkle:
+class FineStructure:
     """Fine structure of the candidate and of the sea beside it, in tiles of the same rows."""
 
     structure_ratio: float = np.nan  #: Standard deviation in the candidate over its value beside it [1].
@@ -83,7 +83,7 @@ class Segmentation:
     #: Step of brightness within the envelope's length of the border over the step between the inner half of the candidate and the outer
     #: half of the background [1]; NaN without a border, or with less contrast than a corridor has.
     border_step: float = np.nan
-    sparkle: Sparkle = Sparkle()  #: Fine structure within the candidate and beside it.
+    sparkle: FineStructure = FineStructure()  #: Fine structure within the candidate and beside it.
     reason: str = ""  #: Reason for the absence of a corridor; empty if there is one.
     method: str = METHOD  #: One line for reports.
 
@@ -164,7 +164,7 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None, frame: ArrayLike | No
     )
 
 
-def _refusal(symmetry: float, contrast: float, step: float, sparkle: Sparkle) -> str:
+def _refusal(symmetry: float, contrast: float, step: float, sparkle: FineStructure) -> str:
     """Reason why the brighter part is no corridor, or an empty text."""
     if not contrast >= LEAST_CONTRAST[1]:
         return f"brighter part only {contrast:.1f} standard deviations above the background, a corridor at least {LEAST_CONTRAST[0]:g}"
@@ -191,7 +191,7 @@ def _refusal(symmetry: float, contrast: float, step: float, sparkle: Sparkle) ->
     return f"a bright part is not surely glint: {', '.join(narrow)}; look at the picture and give the corridor with --mask or --regions"
 
 
-def _dullness(of: Sparkle) -> tuple[str, bool]:
+def _dullness(of: FineStructure) -> tuple[str, bool]:
     """Reason why the fine structure is not a corridor's, or an empty text, and whether it fails narrowly."""
     skewed = of.skewness_within > LEAST_SKEWNESS and of.skewness_beside > LEAST_SKEWNESS
     if of.saturated >= SATURATED:
@@ -347,7 +347,7 @@ def _peak(excess: FloatArray) -> tuple[float, float]:
     return float(explained[best]) / total, float(columns * axes[fades][best])
 
 
-def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray, radiance: bool) -> Sparkle:
+def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray, radiance: bool) -> FineStructure:
     """Return the fine structure of tiles in the candidate and of tiles beside it, compared row by row of tiles."""
     # Lines at the border of the picture are often frames that programs drew.
     border = 4
@@ -371,7 +371,7 @@ def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray, radiance
     inside = candidate & used
     saturated = float(np.mean(frame[inside] >= frame[used].max())) if inside.any() else 0.0
     if both.size < 2:
-        return Sparkle(saturated=saturated)
+        return FineStructure(saturated=saturated)
     skewness = third / np.where(good, variance, 1.0) ** 1.5
     # Medians over tiles leave out ships and other single objects.
     pairs = np.array(
@@ -384,7 +384,7 @@ def _sparkle(frame: FloatArray, candidate: BoolArray, valid: BoolArray, radiance
     drop = pairs[:, 2, 1] - pairs[:, 2, 0]
     # Tile rows are independent; their number is that of equal weights.
     spread = float(weight @ (drop - weight @ drop) ** 2) / max(1.0 / float(np.sum(weight**2)) - 1.0, 0.5)
-    return Sparkle(
+    return FineStructure(
         structure_ratio=float(np.exp(0.5 * weight @ np.log(pairs[:, 1, 0] / pairs[:, 1, 1]))),
         brightness_ratio=float(above[0] / max(above[1], 1e-3 * above[0])) if above[0] > 0.0 else 1.0,
         skewness_within=float(weight @ pairs[:, 2, 0]),

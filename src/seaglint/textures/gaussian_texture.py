@@ -41,7 +41,7 @@ NAMES: Final[Mapping[LawName, str]] = {
 
 
 @dataclass(frozen=True)
-class Law:
+class TextureLaw:
     """Source of the long tails of a texture."""
 
     #: Distribution of the pixels, or ``noise``: Gaussian pixels filtered from white noise of the distribution of the data's own noise.
@@ -59,7 +59,7 @@ class Law:
 
         Examples
         --------
-        >>> Law("gamma").name, Law("noise", scaled=True).name
+        >>> TextureLaw("gamma").name, TextureLaw("noise", scaled=True).name
         ('gamma values', 'empirical noise times a slow scale')
         """
         return NAMES[self.tails] + (" times a slow scale" if self.scaled else "")
@@ -78,9 +78,9 @@ class GaussianTexture:
     transform: Marginal | None = None
 
     @property
-    def law(self) -> Law:
+    def law(self) -> TextureLaw:
         """Law of the texture."""
-        return Law("noise" if self.noise is not None else self.marginal.kind, scaled=self.modulation is not None)
+        return TextureLaw("noise" if self.noise is not None else self.marginal.kind, scaled=self.modulation is not None)
 
     @property
     def reach(self) -> tuple[int, int, int]:
@@ -182,7 +182,7 @@ def of_latent(marginal: Marginal, sample: NDArray[np.float32]) -> Marginal:
 
 
 def fit_texture(
-    data: ArrayLike, law: Law | None = None, *, reach: Sequence[int] = REACH, most: int = 16, offsets: Sequence[Offset] | None = None
+    data: ArrayLike, law: TextureLaw | None = None, *, reach: Sequence[int] = REACH, most: int = 16, offsets: Sequence[Offset] | None = None
 ) -> TextureFit:
     """Fit a texture of one law to a picture or sequence that is not periodic.
 
@@ -190,7 +190,7 @@ def fit_texture(
     ----------
     data : array_like, shape (rows, columns) or (frames, rows, columns)
         [u]; NaN where a pixel does not count.
-    law : Law, optional
+    law : TextureLaw, optional
         Gaussian by default.
     reach : (int, int, int)
         Farthest neighbours tried [frames, rows, columns].
@@ -204,7 +204,7 @@ def fit_texture(
     DataError
         Values that are all equal, too few pixels, covariances that no field has.
     """
-    return FieldsOf(data, reach=reach, most=most, offsets=offsets).fit(law or Law("gaussian"))
+    return FieldsOf(data, reach=reach, most=most, offsets=offsets).fit(law or TextureLaw("gaussian"))
 
 
 class FieldsOf:
@@ -235,7 +235,7 @@ class FieldsOf:
         self._fields: dict[Tails, tuple[Marginal, estimation.GaussMarkovFit]] = {}
         self._noises: dict[Tails, Innovations] = {}
 
-    def fit(self, law: Law) -> TextureFit:
+    def fit(self, law: TextureLaw) -> TextureFit:
         """Fit one law."""
         kind = law.values
         if kind not in self._fields:

@@ -21,7 +21,7 @@ from seaglint.base.free_form import JsonObject
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
 from seaglint.clutter.rate_ratios import RateRatio, rate_ratio
 from seaglint.textures.gauss_markov import Offset
-from seaglint.textures.gaussian_texture import FieldsOf, GaussianTexture, Law, LawName
+from seaglint.textures.gaussian_texture import FieldsOf, GaussianTexture, LawName, TextureLaw
 from seaglint.textures.long_tails import interior
 
 Frames = NDArray[np.float32]
@@ -30,18 +30,18 @@ THRESHOLDS: Final = (3.0, 3.5)  #: Thresholds of the rates [standard deviations 
 
 #: Laws among which the fit chooses, in order of preference: the simpler first, and a slow scale before none, as most pictures have one.
 LAWS: Final = (
-    Law("gaussian"),
-    Law("gamma"),
-    Law("lognormal"),
-    Law("k"),
-    Law("empirical"),
-    Law("gaussian", scaled=True),
-    Law("empirical", scaled=True),
-    Law("noise", scaled=True),
-    Law("noise"),
+    TextureLaw("gaussian"),
+    TextureLaw("gamma"),
+    TextureLaw("lognormal"),
+    TextureLaw("k"),
+    TextureLaw("empirical"),
+    TextureLaw("gaussian", scaled=True),
+    TextureLaw("empirical", scaled=True),
+    TextureLaw("noise", scaled=True),
+    TextureLaw("noise"),
 )
 
-UNJUDGED: Final = Law("empirical")  #: Law of a picture that is too small to be divided.
+UNJUDGED: Final = TextureLaw("empirical")  #: TextureLaw of a picture that is too small to be divided.
 
 SAMPLED: Final = 300_000  #: Number of pixels of the sample of a law.
 
@@ -58,9 +58,9 @@ LEAST_SIDE: Final = 24  #: Least number of rows and columns of a half [px].
 class JudgedLaw:
     """Law with the ratios of its rates to those of the halves that it has not seen."""
 
-    law: Law
+    law: TextureLaw
     ratios: tuple[RateRatio, ...]  #: Of both halves at 3 and at 3.5 standard deviations; empty where no field could be fitted.
-    deviates: tuple[float, ...] = ()  #: Deviates of the rates of samples from those of the halves [1]; see :func:`deviate`.
+    deviates: tuple[float, ...] = ()  #: Deviates of the rates of samples from those of the halves [1]; see ``deviate``.
     reason: str | None = None  #: Reason why no field could be fitted.
 
     @property
@@ -172,14 +172,14 @@ def sampled_rates(texture: GaussianTexture, shape: Sequence[int], seed: int) -> 
     return laplacian_rates(np.ascontiguousarray(tiles.transpose(1, 3, 0, 2, 4)).reshape(-1, rows, columns))
 
 
-def judge_laws(parts: tuple[Frames, Frames], laws: Sequence[Law], offsets: Sequence[Offset], seed: int) -> list[JudgedLaw]:
+def judge_laws(parts: tuple[Frames, Frames], laws: Sequence[TextureLaw], offsets: Sequence[Offset], seed: int) -> list[JudgedLaw]:
     """Fit laws to each half and compare their rates with those of the other half.
 
     Parameters
     ----------
     parts : (ndarray, ndarray), each (frames, rows, columns)
         Both halves [u].
-    laws : sequence of Law
+    laws : sequence of TextureLaw
     offsets : sequence of (int, int, int)
         Neighbours of the field.
     seed : int
@@ -190,9 +190,9 @@ def judge_laws(parts: tuple[Frames, Frames], laws: Sequence[Law], offsets: Seque
     DataError
         A half with too few pixels that count.
     """
-    ratios: dict[Law, list[RateRatio]] = {law: [] for law in laws}
-    deviates: dict[Law, list[float]] = {law: [] for law in laws}
-    reasons: dict[Law, str] = {}
+    ratios: dict[TextureLaw, list[RateRatio]] = {law: [] for law in laws}
+    deviates: dict[TextureLaw, list[float]] = {law: [] for law in laws}
+    reasons: dict[TextureLaw, str] = {}
     first, second = map(_some, parts)
     for seen, other in ((first, second), (second, first)):
         fields, rates = FieldsOf(seen, offsets=offsets, coarse=True), laplacian_rates(other)
@@ -209,7 +209,7 @@ def judge_laws(parts: tuple[Frames, Frames], laws: Sequence[Law], offsets: Seque
     ]
 
 
-def candidates(tails: LawName | Literal["auto"], product: bool | None) -> tuple[Law, ...]:
+def candidates(tails: LawName | Literal["auto"], product: bool | None) -> tuple[TextureLaw, ...]:
     """Return the laws that are judged: all of them, or those of one distribution; with a slow scale, without, or both.
 
     Examples
@@ -217,13 +217,13 @@ def candidates(tails: LawName | Literal["auto"], product: bool | None) -> tuple[
     >>> [law.name for law in candidates("gamma", None)]
     ['gamma values', 'gamma values times a slow scale']
     """
-    laws: tuple[Law, ...]
+    laws: tuple[TextureLaw, ...]
     if tails == "auto":
         laws = LAWS
     elif tails == "gaussian" and product is None:
-        laws = (Law("gaussian"),)
+        laws = (TextureLaw("gaussian"),)
     else:
-        laws = (Law(tails), Law(tails, scaled=True))
+        laws = (TextureLaw(tails), TextureLaw(tails, scaled=True))
     return tuple(law for law in laws if product in (None, law.scaled))
 
 

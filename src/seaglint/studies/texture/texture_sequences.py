@@ -29,7 +29,7 @@ from seaglint.textures.autobinomial_texture import AutobinomialTexture
 from seaglint.textures.autobinomial_texture import fit_texture as fit_autobinomial
 from seaglint.textures.gauss_markov import GaussMarkov, Offset
 from seaglint.textures.gauss_markov_fit import NoOptimumError
-from seaglint.textures.gaussian_texture import FieldsOf, GaussianTexture, Law
+from seaglint.textures.gaussian_texture import FieldsOf, GaussianTexture, TextureLaw
 from seaglint.textures.law_choice import UNJUDGED, JudgedLaw, candidates, choose_law, halves, judge_laws, reasons
 from seaglint.textures.prediction import predict
 from seaglint.textures.quality import Comparison, compare
@@ -226,9 +226,9 @@ def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, J
     return result.texture, values, (*notes, *result.notes)
 
 
-def _offsets(fields: FieldsOf, laws: Sequence[Law]) -> tuple[Offset, ...]:
+def _offsets(fields: FieldsOf, laws: Sequence[TextureLaw]) -> tuple[Offset, ...]:
     """Return the neighbours that the first law with a field needs: of the Gaussian one where it exists."""
-    for law in (Law("gaussian"), *laws[:-1]):
+    for law in (TextureLaw("gaussian"), *laws[:-1]):
         try:
             return fields.fit(law).texture.field.offsets
         except NoOptimumError:
@@ -271,10 +271,10 @@ def _whole(frames: Frames) -> tuple[Frames, tuple[str, ...]]:
 
 def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> GaussianTexture | None:
     """Return the Gaussian texture of the same neighbourhood, for comparison."""
-    if not isinstance(texture, GaussianTexture) or texture.law == Law("gaussian"):
+    if not isinstance(texture, GaussianTexture) or texture.law == TextureLaw("gaussian"):
         return None
     try:
-        return FieldsOf(data, offsets=texture.field.offsets).fit(Law("gaussian")).texture
+        return FieldsOf(data, offsets=texture.field.offsets).fit(TextureLaw("gaussian")).texture
     except NoOptimumError:
         # The neighbours of the values' field need not have the covariances of the values.
         return None
@@ -291,7 +291,7 @@ def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | Auto
         fitted_half, other_half = data[:, :, :middle], data[:, :, middle:]
     try:
         if isinstance(texture, GaussianTexture):
-            found = predict(FieldsOf(fitted_half, offsets=texture.field.offsets).fit(Law(texture.law.values)).texture, other_half)
+            found = predict(FieldsOf(fitted_half, offsets=texture.field.offsets).fit(TextureLaw(texture.law.values)).texture, other_half)
             if found.log_pseudo_likelihood is None:
                 return HeldOut(None, None, found.reason, None, found.outside, found.step)
             known, other = (half if np.isfinite(half).all() else half[np.isfinite(half)] for half in (fitted_half, other_half))
