@@ -57,6 +57,16 @@ def test_whole_numbers_have_the_probability_of_their_step(kind) -> None:
     assert gains[0] > gains[1] > gains[2] > 0.0
 
 
+@pytest.mark.parametrize("kind", ["gaussian", "empirical"])
+@pytest.mark.parametrize("scale", [0.5, 40.0])
+def test_fine_steps_have_the_density_of_the_field(kind, scale) -> None:
+    """Steps of a tenth of the deviation s: log density -1/2 log(2 pi e v s²) of a field with the conditional variance v s²."""
+    x = np.round(10.0 * sample(Marginal())) * 0.1 * scale
+    marginal = Marginal("gaussian", 0.0, scale) if kind == "gaussian" else fit_marginal(x, kind)
+    expected = -0.5 * math.log(2.0 * math.pi * math.e * FIELD.variance * scale**2)
+    assert predict(GaussianTexture(FIELD, marginal), x).log_pseudo_likelihood == pytest.approx(expected, abs=0.04)
+
+
 def test_eight_bits_have_no_infinite_density() -> None:
     """Quantiles of whole numbers are steps: slopes between them are 0, and a density would be nonsense of some hundred nat."""
     x = np.round(40.0 + 5.0 * sample(Marginal()))
