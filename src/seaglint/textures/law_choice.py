@@ -1,7 +1,7 @@
 """Choice of the law of a texture by the false alarms of pictures that its fit has not seen.
 
 The data are divided into two halves. Each law is fitted to one half and judged by the other, and the reverse: the rates above 3 and 3.5
-standard deviations of the Laplacian of a sample, over those of the half. A ratio has an interval (``seaglint.clutter.rate_ratios``); its
+standard deviations of the Laplacian of a sample, over those of the half. A ratio has an interval (``seaglint.clutter.rate_ratios``); the
 deviate of a law is the logarithm of the ratio over the half-width of the interval of the half alone, so that a law of uncertain rates gains
 nothing. The law with the smallest root mean square of its deviates is chosen, or the first in order that is about as good.
 """
