@@ -208,3 +208,12 @@ def test_boats_in_measured_pictures_are_found(number: int) -> None:
     for box in ET.parse(folder / f"Misc_{number}.xml").iter("bndbox"):
         x0, y0, x1, y1 = (int(box.findtext(name)) for name in ("xmin", "ymin", "xmax", "ymax"))
         assert found.objects[max(y0 - top, 0) : y1 - top, x0 - left : x1 - left].mean() > 0.8
+
+
+def test_an_even_row_that_crosses_an_even_column_is_found() -> None:
+    x = np.random.default_rng(4).normal(1000.0, 30.0, (1, 90, 120)).astype(np.float32)
+    x[0, 40:42] = 20_000.0
+    x[0, :, 0] = 0.0
+    found = find_defects(x, borders=(True, True, True, True))
+    assert np.flatnonzero(found.rows.all(axis=1)).tolist() == [40, 41]
+    assert np.flatnonzero(found.columns.all(axis=0)).tolist() == [0]

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from seaglint.base.errors import DomainError
 from seaglint.clutter.rate_ratios import RateRatio
 from seaglint.textures.gauss_markov import GaussMarkov
 from seaglint.textures.gaussian_texture import GaussianTexture, TextureLaw
@@ -109,7 +110,7 @@ def test_the_first_of_equals_is_chosen() -> None:
     assert far.deviate == pytest.approx(math.log(10.0) / math.log(2.0))
     assert not far.agrees
     assert choose_law([none, far]) is far
-    assert any("no law has the rates" in line for line in reasons(far, [far, none]))
+    assert any("this law does not have the rates" in line for line in reasons(far, [far, none]))
     assert any("1 of 2 laws" in line for line in reasons(near, [near, far]))
     assert "no field" in none.text
     assert "not judged" in reasons(none, [none])[0]
@@ -168,3 +169,10 @@ def test_candidates_follow_the_request() -> None:
     assert candidates("gaussian", None) == (TextureLaw("gaussian"),)
     assert candidates("k", False) == (TextureLaw("k"),)
     assert candidates("noise", True) == (TextureLaw("noise", scaled=True),)
+
+
+def test_wrong_laws_are_refused_in_a_line() -> None:
+    with pytest.raises(DomainError, match="allowed are auto, gaussian"):
+        candidates("foo", None)  # type: ignore[arg-type]
+    with pytest.raises(DomainError, match="True, False and None"):
+        candidates("gamma", "never")  # type: ignore[arg-type]

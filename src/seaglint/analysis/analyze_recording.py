@@ -250,8 +250,9 @@ def _line_notes(results: dict[str, Region], filter_name: str) -> list[str]:
             for line in lone_lines(counts)[:3]:
                 share = f"{100 * counts[line] / counts.sum():.3g} %"
                 notes.append(
-                    f"{name}: {share} of the exceedances of {ALWAYS[0]:g} sigma lie in {what} {line} alone, a bad line or an edge of the "
-                    "picture: the rates hold them, fits, correlation and effective counts leave it out; crop or mask it"
+                    f"{name}: {share} of the exceedances of {ALWAYS[0]:g} sigma lie in {what} {line} alone, a bad line, an object or an "
+                    "edge of the picture: the rates hold them, fits, correlation and effective counts leave it out; --regions leaves it "
+                    "out of all"
                 )
     return notes
 

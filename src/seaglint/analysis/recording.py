@@ -234,7 +234,8 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
         # Reported, not left out: a detector processes the border too, and its edge is part of the false alarms.
         where = np.flatnonzero(even)
         dead_notes.append(
-            f"{where.size} columns ({_listed(where)}) have one value from top to bottom: filters take their edges for clutter; mask them"
+            f"{where.size} columns ({_listed(where)}) have one value from top to bottom: filters take their edges for "
+            "clutter; leave them out with --regions"
         )
     ceiling = recording.saturation
     full = recording.frames * recording.rows * recording.columns * SATURATED_SHARE

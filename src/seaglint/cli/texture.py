@@ -223,7 +223,10 @@ def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | N
             f"({entry.first_over_gaussian:.3g} and {entry.second_over_gaussian:.3g} x Gaussian), "
             f"ratio {entry.ratio.text}: {VERDICTS[entry.verdict]}"
         )
-    out.append(f"  values: KS {values.ks:.3g}, Wasserstein {values.wasserstein_std:.3g} standard deviations")
+    out.append(
+        f"  values: KS {values.ks:.3g}, Wasserstein {values.wasserstein_std:.3g} standard deviations, "
+        f"skewness {values.first.skewness:.3g} and {values.second.skewness:.3g}"
+    )
     time = distances.time_correlation_distance
     out.append(
         f"  spectra {distances.spectrum_distance_db:.3g} dB, correlations in space {distances.correlation_distance:.3g}"
@@ -238,7 +241,6 @@ def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | N
         value = f"{likelihood.log_pseudo_likelihood:.4g}{gain}{_outside(likelihood.outside)}"
         out.append(f"  log pseudo-likelihood per pixel of the data: {value}")
     out += [f"  fails: {sentence}" for sentence in distances.fails]
-    out += [f"  undecided: {sentence}" for sentence in distances.undecided]
     if not distances.fails:
         out.append("  no difference is beyond its limit" if distances.undecided else "  all differences are within their limits")
     return out

@@ -21,7 +21,7 @@ from seaglint.base.free_form import JsonObject
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
 from seaglint.clutter.rate_ratios import RateRatio, rate_ratio
 from seaglint.textures.gauss_markov import Offset
-from seaglint.textures.gaussian_texture import FieldsOf, GaussianTexture, LawName, TextureLaw
+from seaglint.textures.gaussian_texture import NAMES, FieldsOf, GaussianTexture, LawName, TextureLaw
 from seaglint.textures.long_tails import interior
 
 Frames = NDArray[np.float32]
@@ -86,7 +86,11 @@ class JudgedLaw:
     @property
     def text(self) -> str:
         """Law and ratios in words."""
-        return f"{self.law.name}: {self.reason or ', '.join(ratio.text for ratio in self.ratios)}"
+        if self.reason is not None:
+            return f"{self.law.name}: {self.reason}"
+        labelled = [f"{ratio.text} above {m:g} sigma" for ratio, m in zip(self.ratios, THRESHOLDS * 2, strict=False)]
+        half = len(THRESHOLDS)
+        return f"{self.law.name}: {', '.join(labelled[:half])} in the second half, {', '.join(labelled[half:])} in the first"
 
 
 def deviate(data: FalseAlarmRate, sampled: FalseAlarmRate) -> float | None:
@@ -218,6 +222,10 @@ def candidates(tails: LawName | Literal["auto"], product: bool | None) -> tuple[
     ['gamma values', 'gamma values times a slow scale']
     """
     laws: tuple[TextureLaw, ...]
+    if tails != "auto" and tails not in NAMES:
+        raise DomainError(f"tails = {tails!r}; allowed are auto, {', '.join(NAMES)}")
+    if product not in (None, True, False):
+        raise DomainError(f"product = {product!r}; allowed are True, False and None, which lets the rates decide")
     if tails == "auto":
         laws = LAWS
     elif tails == "gaussian" and product is None:
@@ -237,17 +245,17 @@ def reasons(chosen: JudgedLaw, judged: Sequence[JudgedLaw]) -> tuple[str, ...]:
     """Return why a law was chosen, in sentences for a report."""
     if not chosen.deviates:
         return (f"law: {chosen.law.name}, not judged: {chosen.reason or 'the rates of the halves have no intervals'}",)
-    rates = f"sample over unseen half, above {' and '.join(f'{m:g}' for m in THRESHOLDS)} sigma of the Laplacian"
-    out = [f"law: {chosen.text} ({rates}; first and second half)"]
+    out = [f"law (rates of samples over those of the half that the fit has not seen): {chosen.text}"]
     others = [one for one in judged if one is not chosen and one.ratios]
     if others:
         near = min(others, key=lambda one: one.deviate)
-        better = "; about as good, and the first in order is taken" if near.deviate <= chosen.deviate else ""
+        better = "; about as good, and the simpler law is taken" if near.deviate <= chosen.deviate else ""
         out.append(f"next best law: {near.text}{better}")
     if chosen.agrees and others:
         out.append(f"{sum(one.agrees for one in judged)} of {len(judged)} laws agree with the rates of both halves")
     elif not chosen.agrees:
         out.append(
-            "no law has the rates of both halves: the halves differ, or their tails have another cause; rates of samples are not certain"
+            f"{'no' if others else 'this'} law {'has' if others else 'does not have'} the rates of both halves within their intervals: the "
+            "halves differ, or their tails have another cause; rates of samples are not certain"
         )
     return tuple(out)

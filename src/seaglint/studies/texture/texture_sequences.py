@@ -464,6 +464,8 @@ def compare_textures(first: Any, second: Any, opened: Callable[[Any], Recording]
     textures = [(one if isinstance(one, StoredTexture) else read_texture(one)) if models[i] else None for i, one in enumerate(given)]
     detrend = request.detrend
     for i, stored in enumerate(textures):
+        if stored is not None and "mask" in stored.source.get("left_out", {}):
+            notes.append(f"{names[i]} was fitted with a mask, which is not used here: set the masked pixels to NaN, or select a region")
         if stored is not None and _was_detrended(stored) and not detrend:
             detrend = True
             notes.append(f"slow changes of the mean are taken off both: {names[i]} was fitted to data without them")
