@@ -64,7 +64,7 @@ def test_fine_steps_have_the_density_of_the_field(kind, scale) -> None:
     x = np.round(10.0 * sample(Marginal())) * 0.1 * scale
     marginal = Marginal("gaussian", 0.0, scale) if kind == "gaussian" else fit_marginal(x, kind)
     expected = -0.5 * math.log(2.0 * math.pi * math.e * FIELD.variance * scale**2)
-    assert predict(GaussianTexture(FIELD, marginal), x).log_pseudo_likelihood == pytest.approx(expected, abs=0.04)
+    assert predict(GaussianTexture(FIELD, marginal), x).log_pseudo_likelihood == pytest.approx(expected, abs=0.03)
 
 
 def test_eight_bits_have_no_infinite_density() -> None:
