@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 from scipy.stats import binom, norm
 
 from seaglint.base.errors import DataError, DomainError
+from seaglint.clutter import false_alarms
 from seaglint.clutter.cluster_variance import rate_variance, score_interval
 from seaglint.clutter.false_alarms import SEGMENTS, FalseAlarms, RateCurve
 from seaglint.clutter.filters import Laplacian
@@ -283,3 +284,26 @@ def test_a_rate_at_the_measured_deviation_is_more_certain() -> None:
     assert scatter < 0.85
     assert abs(estimated - scatter) < abs(known - scatter)
     assert estimated == pytest.approx(scatter, rel=0.35)
+
+
+def test_a_slow_scale_is_counted_beyond_the_correlation_of_the_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """White pixels times exp(0.3 g), g of length 20 px: what the measured deviation leaves of the patches adds up over longer lags."""
+    counts: list[int] = []
+    own, short = [], []
+    for seed in range(120):
+        generator = np.random.default_rng([7, seed])
+        g = gaussian_filter(generator.standard_normal((120, 160)), 10.0, mode="wrap") * 20.0 * np.sqrt(np.pi)
+        x = generator.standard_normal((120, 160)) * np.exp(0.3 * g)
+        z = ((x - x.mean()) / x.std()).astype(np.float32)[None]
+        for reach, found in ((None, own), (1.0, short)):
+            with monkeypatch.context() as patch:
+                if reach is not None:
+                    patch.setattr(false_alarms, "ESTIMATED_REACH", reach)
+                alarms = FalseAlarms((3.0,), estimated=True)
+                alarms.add(z)
+                rate = alarms.rates()[0]
+            found.append(rate.inflation)
+        counts.append(rate.exceedances)
+    scatter = np.var(counts, ddof=1) / np.mean(counts)
+    assert np.mean(own) > 1.2 * np.mean(short)
+    assert abs(np.mean(own) - scatter) < 0.75 * abs(np.mean(short) - scatter)
