@@ -6,7 +6,7 @@ from scipy.ndimage import gaussian_filter
 
 import corridor_verdicts
 from seaglint.base.errors import DataError
-from seaglint.clutter.segmentation import FineStructure, _refusal, otsu_threshold, segment
+from seaglint.clutter.segmentation import FineStructure, _peak, _refusal, _sparkle, otsu_threshold, segment
 from seaglint.formats.recording import open_recording
 
 ROWS, COLUMNS = 192, 256
@@ -280,3 +280,24 @@ def test_rendered_corridors_lie_where_the_mean_glint_is(number):
     assert corridor_verdicts.overlap(found.glint, sea.corridor) > 0.6
     inside = 0.0 <= found.axis_column < corridor_verdicts.COLUMNS
     assert inside or sea.place != "inside"
+
+
+@pytest.mark.parametrize("half", [32, 64])
+def test_the_error_of_the_sparkle_is_its_scatter(half):
+    """Exponential texture, the same within a stripe and beside it: the difference of skewnesses scatters as its standard error says."""
+    stripe, valid = np.abs(X - 128) < half, np.ones((ROWS, COLUMNS), bool)
+    draws = (gaussian_filter(np.random.default_rng(seed).exponential(size=(ROWS, COLUMNS)), 1.0) for seed in range(40))
+    found = [_sparkle(draw, stripe, valid, False) for draw in draws]
+    drop = np.array([one.skewness_beside - one.skewness_within for one in found])
+    errors = np.array([one.error for one in found])
+    assert drop.std() == pytest.approx(np.sqrt(np.mean(errors**2)), rel=0.4)
+    assert abs(drop.mean()) < 4.0 * drop.std() / np.sqrt(drop.size)
+
+
+@pytest.mark.parametrize("width", [0.3, 0.4, 0.5])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_peak_that_fades_to_one_side_only_has_its_axis_near_the_border(width, side):
+    """An axis at a fifth of the width, and a peak that has not fallen to 0.6 at the border: the next axis that may be one is at 0.125."""
+    peak = np.exp(-0.5 * ((X / COLUMNS - 0.2) / width) ** 2)[:, ::side]
+    _, axis = _peak(peak)
+    assert axis / COLUMNS == pytest.approx(0.125 if side > 0 else 0.875, abs=0.01)
