@@ -217,3 +217,16 @@ def test_an_even_row_that_crosses_an_even_column_is_found() -> None:
     found = find_defects(x, borders=(True, True, True, True))
     assert np.flatnonzero(found.rows.all(axis=1)).tolist() == [40, 41]
     assert np.flatnonzero(found.columns.all(axis=0)).tolist() == [0]
+
+
+@pytest.mark.parametrize("turns", range(4))
+@pytest.mark.parametrize("depth", [12.0, 16.0])
+def test_a_dark_corner_is_far_darker_than_the_darkest_patch_of_sea(depth: float, turns: int) -> None:
+    """The same corner, with its waves, beside a patch of half of its depth and beside one of 0.8 of it."""
+    for patch, found in ((0.5, True), (0.8, False)):
+        x = SEA.copy()
+        x[:24, :24] -= depth
+        x[60:84, 60:84] -= patch * depth
+        dark = np.rot90(find_defects(np.rot90(x, turns)).dark, -turns)
+        assert dark[:20, :20].all() == found
+        assert not dark[40:, 40:].any()
