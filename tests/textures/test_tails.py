@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 from scipy.special import polygamma
 
 from seaglint.clutter.filters import Laplacian
 from seaglint.textures.gauss_markov import GaussMarkov
 from seaglint.textures.gaussian_texture import GaussianTexture, TextureLaw, fit_texture, of_latent
-from seaglint.textures.long_tails import PATCH, innovations, interior
+from seaglint.textures.long_tails import PATCH, PATCH_IN_TIME, innovations, interior
 from seaglint.textures.marginals import Marginal, fit_marginal
-from seaglint.textures.synthesis import Modulation, density_of, filtered, latent, rough, whitened
+from seaglint.textures.synthesis import Modulation, density_of, filtered, latent, rough, slow, whitened
 
 FIELD = GaussMarkov(((0, 0, 1), (0, 1, 0)), (0.2, 0.15), 1.0)
 IN_TIME = GaussMarkov(((0, 0, 1), (0, 1, 0), (1, 0, 1)), (0.15, 0.1, 0.15), 1.0)
@@ -138,3 +139,47 @@ def test_values_of_a_field_that_is_not_gaussian() -> None:
     share = np.array([0.05, 0.3, 0.5, 0.7, 0.95])
     plain = wanted.transform(np.random.default_rng(3).standard_normal((1, 500, 500)).astype(np.float32))
     assert np.quantile(values, share) == pytest.approx(np.quantile(plain, share), rel=0.15)
+
+
+def test_the_noise_near_the_border_of_a_part_is_as_good_as_inside() -> None:
+    """A field with long correlations, cut from a torus: on a torus of its own it would have a step at the border, whose noise is large."""
+    model, shape = GaussMarkov(((0, 0, 1), (0, 1, 0)), (0.25, 0.2499), 1.0), (1, 200, 240)
+    errors = []
+    for seed in range(4):
+        drawn = rough(shape, seed)
+        part = (slice(None), slice(30, 150), slice(30, 190))
+        found = innovations(filtered(drawn.copy(), density_of(model, shape))[part], model).values
+        known = np.isfinite(found)
+        scale = (found[known] * drawn[part][known]).sum() / (drawn[part][known] ** 2).sum()
+        errors.append((found - scale * drawn[part])[0] ** 2)
+    error = np.sqrt(np.mean(errors, axis=0))
+    rows, columns = np.indices(error.shape)
+    depth = np.minimum(np.minimum(rows, error.shape[0] - 1 - rows), np.minimum(columns, error.shape[1] - 1 - columns))
+    assert np.sqrt(np.mean(error[(depth >= 5) & (depth < 10)] ** 2)) < 2.4 * np.sqrt(np.mean(error[depth >= 40] ** 2))
+
+
+def test_the_scale_of_even_noise_varies_by_the_number_of_pixels_in_the_window() -> None:
+    """Mean of abs(e) over 4 pi w² pixels, e Gaussian: relative variance (pi / 2 - 1) / (4 pi w²)."""
+    scales = [innovations(latent(FIELD, (1, 300, 300), seed), FIELD).scale[:, 24:-24, 24:-24] for seed in range(12)]
+    assert np.mean([np.log(one).var() for one in scales]) == pytest.approx((np.pi / 2.0 - 1.0) / (4.0 * np.pi * PATCH**2), rel=0.15)
+
+
+def test_what_varies_by_chance_is_no_slow_scale() -> None:
+    """A scale that varies by 4 %, of which averages vary by another 3 %: the fitted variance is the one of the drawn scale in the window."""
+    weak, shape = Modulation(100.0, (1.0, 30.0, 30.0)), (1, 300, 300)
+    drawn, fitted = [], []
+    for seed in range(10):
+        modulation = innovations(latent(FIELD, shape, seed, weak), FIELD).modulation
+        fitted.append(0.0 if modulation is None else float(polygamma(1, modulation.shape)) / 4.0)
+        drawn.append(float(np.log(gaussian_filter(np.sqrt(slow(weak, shape, seed)[0]), PATCH)).var()))
+    assert np.mean(fitted) == pytest.approx(np.mean(drawn), rel=0.15)
+
+
+@pytest.mark.parametrize(("length", "rel"), [(0.5, 0.25), (8.0, 0.3)])
+def test_the_length_in_time_of_the_slow_scale(length: float, rel: float) -> None:
+    """The window alone correlates averages to 1/e at twice its width: squares of both lengths add."""
+    strong = Modulation(2.0, (length, 6.0, 6.0))
+    found = [innovations(latent(IN_TIME, (48, 64, 64), seed, strong), IN_TIME).modulation for seed in range(4)]
+    lengths = [one.lengths[0] for one in found if one is not None]
+    assert len(lengths) == len(found)
+    assert np.mean(lengths) == pytest.approx(np.hypot(length, 2.0 * PATCH_IN_TIME), rel=rel)
