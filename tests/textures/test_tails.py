@@ -165,7 +165,7 @@ def test_the_scale_of_even_noise_varies_by_the_number_of_pixels_in_the_window() 
 
 
 def test_what_varies_by_chance_is_no_slow_scale() -> None:
-    """A scale that varies by 4 %, of which averages vary by another 3 %: the fitted variance is the one of the drawn scale in the window."""
+    """A scale that varies by 4 %, and averages of it by another 3 %: the fitted variance is the one of the drawn scale."""
     weak, shape = Modulation(100.0, (1.0, 30.0, 30.0)), (1, 300, 300)
     drawn, fitted = [], []
     for seed in range(10):
