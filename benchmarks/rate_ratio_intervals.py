@@ -17,7 +17,8 @@ from scipy.special import gammaincinv, ndtr
 
 from seaglint.base.conventions import FloatArray
 from seaglint.clutter.rate_ratios import rate_ratio
-from seaglint.textures.law_choice import THRESHOLDS, laplacian_rates
+from seaglint.textures.law_choice import laplacian_rates
+from seaglint.textures.long_tails import THRESHOLDS
 
 Shape = tuple[int, int, int]
 

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import seaglint as sg
+from seaglint.base.errors import DataError
 from seaglint.formats.recording import open_recording
 from seaglint.store.texture_file import read_texture, write_texture
 from seaglint.studies.study_requests import FitRequest
@@ -214,7 +216,7 @@ def test_a_mask_leaves_pixels_out(seaglint, tmp_path) -> None:
         ("all", np.ones(SEA.shape), "all pixels of the region are masked or missing"),
         ("most", np.arange(96)[:, None] * np.ones(96) < 60, "62 % of the region is masked or missing"),
         ("small", np.ones((5, 5)), "a mask of 5 x 5 pixels; give one of the picture's size, 96 x 96"),
-        ("words", np.full(SEA.shape, "a"), "give numbers or true and false"),
+        ("words", np.full(SEA.shape, "a"), "not real numbers"),
     ):
         np.save(tmp_path / f"{name}.npy", image)
         answer = seaglint("texture", "fit", tmp_path / "sea.npy", "--mask", tmp_path / f"{name}.npy", "--overwrite", "-o", model)
@@ -335,3 +337,14 @@ def test_the_report_says_what_was_fitted_and_how(seaglint, recording, tmp_path) 
     assert "The fit" in text
     assert "couplings by pseudo-likelihood, samples by exchange" in text
     assert "have another histogram" in text
+
+
+def test_a_mask_in_memory_is_the_mask_of_a_file(tmp_path) -> None:
+    mask = np.arange(96) < np.full((96, 1), 20)
+    np.save(tmp_path / "mask.npy", mask)
+    fitted = [sg.texture.fit(SEA, tails="gaussian", mask=one) for one in (mask, mask.astype(int).tolist(), tmp_path / "mask.npy")]
+    models = [one.as_dict()["model"] for one in fitted]
+    assert models[0] == models[1] == models[2]
+    assert fitted[0].as_dict()["source"]["left_out"] == {"mask": 1920}
+    with pytest.raises(DataError, match="an array of 5 x 5 pixels"):
+        sg.texture.fit(SEA, mask=np.ones((5, 5)))

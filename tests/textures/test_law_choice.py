@@ -16,7 +16,7 @@ from seaglint.textures.law_choice import (
     JUDGED,
     LAWS,
     JudgedLaw,
-    _some,
+    _judged_part,
     candidates,
     choose_law,
     deviate,
@@ -155,11 +155,11 @@ def test_halves_have_the_same_number_of_pixels_that_count() -> None:
 
 def test_large_halves_are_judged_by_their_middle() -> None:
     wide = np.broadcast_to(np.arange(1000.0, dtype=np.float32), (1, 1000, 1000))
-    some = _some(wide)
+    some = _judged_part(wide)
     assert some.size <= JUDGED
     assert some.shape == (1, 632, 632)
     assert float(some.mean()) == pytest.approx(499.5, abs=1.0)
-    clip = _some(np.broadcast_to(np.float32(1.0), (500, 64, 64)))
+    clip = _judged_part(np.broadcast_to(np.float32(1.0), (500, 64, 64)))
     assert clip.shape == (97, 64, 64)
 
 

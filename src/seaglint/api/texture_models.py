@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from seaglint.api.inputs_and_results import ResultRecord, path_of, recording_of, request_of, scenario_of
 from seaglint.base.errors import DataError
 from seaglint.base.parameters import documented
-from seaglint.studies.study_requests import CompareRequest, FitRequest, PlaceRequest, ReadingRequest, SampleRequest
+from seaglint.studies.study_requests import CompareRequest, FitRequest, PlaceRequest, ReadingRequest, SampleRequest, WeightsFile
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from seaglint.analysis import Recording
     from seaglint.api.inputs_and_results import SceneInput
@@ -79,7 +80,7 @@ def fit(
     region: str | None = None,
     any_region: bool = False,
     detrend: bool = False,
-    mask: str | Path | None = None,
+    mask: ArrayLike | str | Path | None = None,
     keep_defects: bool = False,
     product: bool | None = None,
     order: int = 2,
@@ -125,6 +126,7 @@ def fit(
     >>> sg.texture.sample(texture, size=(32, 16)).texture.shape
     (1, 16, 32)
     """
+    from seaglint.formats.region_files import read_mask
     from seaglint.store.outputs import refuse_existing
     from seaglint.store.texture_file import check_name
     from seaglint.studies.texture.texture_sequences import fit as fitted
@@ -134,7 +136,7 @@ def fit(
     if model == "autobinomial" and tails not in ("auto", "gaussian"):
         raise DataError(f"tails = {tails}: an autobinomial texture has the histogram of its picture; leave tails out")
     opened = recording_of(recording, request_of(ReadingRequest, locals(), missing=tuple(missing)))
-    left_out = None if mask is None else path_of(mask, "mask")
+    left_out = WeightsFile(Path(mask), partial(read_mask, mask)) if isinstance(mask, str | Path) else mask
     result = FittedTexture(fitted(opened, request_of(FitRequest, locals(), mask=left_out)))
     if output is not None:
         result.save(output, overwrite=overwrite)

@@ -196,14 +196,9 @@ def find_defects(
     count = exist.sum(axis=0)
     mean = np.where(known, np.where(exist, x, 0.0).sum(axis=0, dtype=np.float64) / np.maximum(count, 1), np.nan)
     rows, columns = _even(x, exist)
-    # An even row crosses an even column of another value: both are examined again without the lines already found.
+    # An even row crosses an even column of another value: each is examined again without the others that are known.
     for _ in range(2):
-        more = _even(x, exist & ~rows[:, None] & ~columns)
-        rows, columns = rows | more[0], columns | more[1]
-        across = _even(x, exist & ~columns)[0], _even(x, exist & ~rows[:, None])[1]
-        rows, columns = rows | across[0], columns | across[1]
-    if rows.all() or columns.all():
-        rows, columns = _even(x, exist)
+        rows, columns = rows | _even(x, exist & ~columns)[0], columns | _even(x, exist & ~rows[:, None])[1]
     ok = known & ~rows[:, None] & ~columns
     rows = rows | _unlike(np.where(ok, mean, np.nan), borders[:2])
     columns = columns | _unlike(np.where(ok, mean, np.nan).T, borders[2:])

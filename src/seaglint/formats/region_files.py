@@ -36,9 +36,25 @@ def read_regions(path: str | Path) -> NDArray[Any] | dict[str, Any]:
     path = Path(path)
     if path.suffix.lower() == ".json":
         return _rectangles(path)
+    return _image(path, "regions are")
+
+
+def read_mask(path: str | Path) -> NDArray[np.bool_]:
+    """Return a mask from an image or a NumPy file: true where it is not zero.
+
+    Raises
+    ------
+    DataError
+        A file that cannot be read, or several frames.
+    """
+    return np.asarray(np.nan_to_num(_image(Path(path), "a mask is")) != 0)
+
+
+def _image(path: Path, what: str) -> NDArray[Any]:
+    """Return the numbers of a single image."""
     opened = open_recording(path, channel=None)
     if opened.frames != 1:
-        raise DataError(f"{path}: regions are one image, this has {opened.frames} frames")
+        raise DataError(f"{path}: {what} one image, this has {opened.frames} frames")
     return np.asarray(opened.read_block(0, 1)[0])
 
 

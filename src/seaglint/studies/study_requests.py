@@ -458,7 +458,9 @@ class FitRequest:
     region: Annotated[str | None, Parameter("part of the picture in pixels, e.g. 120:248,64:192", metavar="ROWS,COLUMNS")] = None
     any_region: Annotated[bool, Parameter("fit also where the picture is not stationary")] = False
     detrend: Annotated[bool, Parameter("take slow changes of the mean off first")] = False
-    mask: Annotated[Path | None, Parameter("leave out pixels where an image or .npy of the picture's size is not 0", metavar="FILE")] = None
+    mask: Annotated[
+        Any, Parameter("leave out pixels where an image or .npy of the frames' size is not 0", form="mask", detail="Or an array.")
+    ] = None
     keep_defects: Annotated[bool, Parameter("count all pixels, also dead lines, dark corners, objects and pixels that never change")] = (
         False
     )

@@ -18,15 +18,13 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.free_form import JsonObject
-from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
+from seaglint.clutter.false_alarms import FalseAlarmRate
 from seaglint.clutter.rate_ratios import RateRatio, rate_ratio
 from seaglint.textures.gauss_markov import Offset
 from seaglint.textures.gaussian_texture import NAMES, FieldsOf, GaussianTexture, LawName, TextureLaw
-from seaglint.textures.long_tails import interior
+from seaglint.textures.long_tails import THRESHOLDS, laplacian_alarms
 
 Frames = NDArray[np.float32]
-
-THRESHOLDS: Final = (3.0, 3.5)  #: Thresholds of the rates [standard deviations of the filtered picture].
 
 #: Laws among which the fit chooses, in order of preference: the simpler first, and a slow scale before none, as most pictures have one.
 LAWS: Final = (
@@ -59,7 +57,9 @@ class JudgedLaw:
     """Law with the ratios of its rates to those of the halves that it has not seen."""
 
     law: TextureLaw
-    ratios: tuple[RateRatio, ...]  #: Of both halves at 3 and at 3.5 standard deviations; empty where no field could be fitted.
+    ratios: tuple[
+        RateRatio, ...
+    ]  #: Of the second and of the first half at 3 and 3.5 standard deviations; empty where no field could be fitted.
     deviates: tuple[float, ...] = ()  #: Deviates of the rates of samples from those of the halves [1]; see ``deviate``.
     reason: str | None = None  #: Reason why no field could be fitted.
 
@@ -75,9 +75,9 @@ class JudgedLaw:
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and words."""
-        labels = [(half, threshold) for half in (1, 2) for threshold in THRESHOLDS]
+        labels = [(half, threshold) for half in (2, 1) for threshold in THRESHOLDS]
         rows = [
-            {"half": half, "threshold_sigma": m, "ratio": r.value, "interval": r.interval, "note": r.note}
+            {"unseen_half": half, "threshold_sigma": m, "ratio": r.value, "interval": r.interval, "note": r.note}
             for (half, m), r in zip(labels, self.ratios, strict=False)
         ]
         known = self.deviate if self.deviates else None
@@ -134,7 +134,7 @@ def _middle(counts: NDArray[np.int64], least: int) -> int:
     return min(max(middle, least), counts.size - least)
 
 
-def _some(part: Frames) -> Frames:
+def _judged_part(part: Frames) -> Frames:
     """Return a half of at most ``JUDGED`` pixels: its middle frames, or its middle."""
     frames, rows, columns = part.shape
     if part.size <= JUDGED:
@@ -148,10 +148,7 @@ def _some(part: Frames) -> Frames:
 
 def laplacian_rates(frames: Frames) -> list[FalseAlarmRate]:
     """Return the rates of the Laplacian of pictures above ``THRESHOLDS``, each in standard deviations of its frame."""
-    alarms = FalseAlarms(THRESHOLDS, 1, estimated=True)
-    for frame in frames:
-        alarms.add(interior(frame[None]))
-    return alarms.rates()
+    return laplacian_alarms(frames).rates()
 
 
 def sampled_rates(texture: GaussianTexture, shape: Sequence[int], seed: int) -> list[FalseAlarmRate]:
@@ -197,7 +194,7 @@ def judge_laws(parts: tuple[Frames, Frames], laws: Sequence[TextureLaw], offsets
     ratios: dict[TextureLaw, list[RateRatio]] = {law: [] for law in laws}
     deviates: dict[TextureLaw, list[float]] = {law: [] for law in laws}
     reasons: dict[TextureLaw, str] = {}
-    first, second = map(_some, parts)
+    first, second = map(_judged_part, parts)
     for seen, other in ((first, second), (second, first)):
         fields, rates = FieldsOf(seen, offsets=offsets, coarse=True), laplacian_rates(other)
         for law in laws:

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import decay, spatial_correlation
+from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
 from seaglint.textures.gauss_markov import GaussMarkov
@@ -30,6 +31,8 @@ from seaglint.textures.marginals import Marginal, fit_marginal
 from seaglint.textures.synthesis import Modulation, density_of, whitened
 
 Field = NDArray[np.float32]
+
+THRESHOLDS: Final = (3.0, 3.5)  #: Thresholds of the rates that are compared [standard deviations of the filtered picture].
 
 PATCH: Final = 8.0  #: Standard deviation of the window in which the strength of the noise is averaged, in rows and columns [px].
 
@@ -46,6 +49,14 @@ def interior(frames: ArrayLike) -> NDArray[np.float32]:
     """Return the Laplacian of the pixels away from the border, in standard deviations of their frame, (frames, rows - 2, columns - 2)."""
     out = Laplacian().apply(np.asarray(frames, np.float32))[:, 1:-1, 1:-1]
     return standardise(out, np.ones(out.shape[1:], np.bool_))
+
+
+def laplacian_alarms(frames: NDArray[np.floating]) -> FalseAlarms:
+    """Count the Laplacian of pictures above ``THRESHOLDS``, each in standard deviations of its own frame, (frames, rows, columns) [u]."""
+    alarms = FalseAlarms(THRESHOLDS, 1, estimated=True)
+    for frame in frames:
+        alarms.add(interior(frame[None]))
+    return alarms
 
 
 @dataclass(frozen=True)

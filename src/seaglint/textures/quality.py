@@ -19,12 +19,10 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.clutter.correlation import spatial_correlation, temporal_correlation
-from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms, RateCurve
+from seaglint.clutter.false_alarms import FalseAlarmRate, RateCurve
 from seaglint.clutter.rate_ratios import RateRatio, Verdict, rate_ratio
 from seaglint.clutter.spectrum import Spectrum, power_spectrum
-from seaglint.textures.long_tails import interior
-
-THRESHOLDS: Final = (3.0, 3.5)  #: Thresholds of the compared rates [standard deviations].
+from seaglint.textures.long_tails import laplacian_alarms
 
 LAGS: Final = 12  #: Largest distance of the compared correlations [px].
 
@@ -333,9 +331,7 @@ def _filled(frames: FloatArray, side: int) -> FloatArray:
 
 
 def _measure(name: str, x: NDArray[np.floating], side: int, ends: FloatArray, frames: int) -> Likeness:
-    alarms = FalseAlarms(THRESHOLDS, estimated=True)
-    for frame in x:
-        alarms.add(interior(frame[None]))
+    alarms = laplacian_alarms(x)
     gaps = bool(np.isnan(x).any())
     std = max(float(np.nanstd(x) if gaps else x.std()), 1e-300)
     few = _few(x)

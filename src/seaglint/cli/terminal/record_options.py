@@ -52,16 +52,11 @@ def weights(path: Path) -> NDArray[np.float64]:
         raise DataError(f"{path}: cannot be read as rows of numbers ({str(error).splitlines()[0]}); give a CSV or .npy file") from error
 
 
-def read_mask(path: Path) -> NDArray[np.bool_]:
-    """Return a mask from an image or a NumPy file: true where it is not zero."""
-    import numpy as np
+def _mask(path: Path) -> Any:
+    """Return a mask from a file: its reader is imported where one is given."""
+    from seaglint.formats.region_files import read_mask
 
-    from seaglint.formats.recording import open_recording
-
-    opened = open_recording(path, channel=None)
-    if opened.frames != 1:
-        raise DataError(f"{path}: a mask is one image, this has {opened.frames} frames")
-    return np.asarray(np.nan_to_num(opened.read(0, 1)[0]) != 0.0)
+    return read_mask(path)
 
 
 def _regions(path: Path) -> Any:
@@ -244,7 +239,7 @@ READERS: Final[Mapping[str, Callable[[Any, str], Any]]] = {
     "limits": two_numbers(":", "NEAR:FAR in metres, e.g. 500:40000"),
     "shares": _shares,
     "weights": lambda path, _: WeightsFile(path, weights(path)),
-    "mask": lambda path, _: WeightsFile(path, partial(read_mask, path)),
+    "mask": lambda path, _: WeightsFile(path, partial(_mask, path)),
     "regions": lambda path, _: WeightsFile(path, partial(_regions, path)),
     "raw": lambda text, _: raw_layout(text),
     "switch": lambda text, _: SWITCH[text],

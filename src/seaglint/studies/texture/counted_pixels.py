@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import BoolArray
 from seaglint.clutter.defects import find_defects
+from seaglint.studies.study_requests import WeightsFile, values_of
 from seaglint.textures.suitability import PixelRegion
 
 Frames = NDArray[np.float32]
@@ -27,7 +28,7 @@ class CountedPixels:
 
 
 def counted_pixels(
-    frames: Frames, recording: Recording, region: PixelRegion, *, keep_defects: bool = False, mask: Path | None = None
+    frames: Frames, recording: Recording, region: PixelRegion, *, keep_defects: bool = False, mask: Any = None
 ) -> CountedPixels:
     """Leave out missing values, a mask, and what ``seaglint.clutter.defects`` finds.
 
@@ -39,8 +40,8 @@ def counted_pixels(
         Size of the picture, and the region in it.
     keep_defects : bool
         Whether nothing is searched.
-    mask : Path, optional
-        Image or ``.npy`` of the picture's or the region's size; pixels that are not 0 are left out.
+    mask : array_like or WeightsFile, optional
+        Numbers of the picture's or the region's size; pixels that are not 0 are left out.
 
     Raises
     ------
@@ -59,7 +60,8 @@ def counted_pixels(
         given = _mask(mask, recording, region)
         counts["mask"] = int(np.count_nonzero(given))
         share = 100.0 * counts["mask"] / given.size
-        notes.append(f"{counts['mask']} pixels ({share:.3g} %) left out: the mask {mask}")
+        name = f"the mask {mask.path}" if isinstance(mask, WeightsFile) else "the mask"
+        notes.append(f"{counts['mask']} pixels ({share:.3g} %) left out: {name}")
         frames = np.where(given, np.float32(np.nan), frames)
     if not keep_defects:
         borders = (region.top == 0, region.bottom == recording.rows, region.left == 0, region.right == recording.columns)
@@ -83,27 +85,16 @@ def like(sample: Frames, data: Frames) -> Frames:
     return np.where(gaps, np.float32(np.nan), sample) if gaps.any() else sample
 
 
-def _mask(path: Path, recording: Recording, region: PixelRegion) -> BoolArray:
-    """Read a mask of the picture's or the region's size; True where a pixel is left out."""
-    from seaglint.formats.recording import open_recording
-
-    if path.suffix.lower() == ".npy" and path.is_file():
-        try:
-            values = np.load(path, allow_pickle=False)
-        except (ValueError, OSError, EOFError) as error:
-            raise DataError(f"{path}: cannot be read as a mask ({error}); give an array of rows x columns, or an image") from None
-        if values.dtype.kind not in "biuf":
-            raise DataError(f"{path}: a mask of {values.dtype} values; give numbers or true and false, not 0 where pixels are left out")
-        values = values[0] if values.ndim == 3 and len(values) == 1 else values
-    else:
-        values = open_recording(path, channel="mean").read(0, 1)[0]
-    inside = (region.bottom - region.top, region.right - region.left)
+def _mask(given: Any, recording: Recording, region: PixelRegion) -> BoolArray:
+    """Return a mask of the picture's or the region's size inside the region; True where a pixel is left out."""
+    values = np.asarray(values_of(given))
+    name = f"{given.path}: a mask" if isinstance(given, WeightsFile) else "mask: an array"
+    if values.dtype.kind not in "biuf":
+        raise DataError(f"{name} of {values.dtype} values; give numbers or true and false, not 0 where pixels are left out")
     if values.shape == (recording.rows, recording.columns):
         values = values[region.top : region.bottom, region.left : region.right]
-    elif values.shape != inside:
+    elif values.shape != (region.bottom - region.top, region.right - region.left):
         raise DataError(
-            f"{path}: a mask of {' x '.join(map(str, values.shape))} pixels; give one of the picture's size, {recording.rows} x "
-            f"{recording.columns}"
+            f"{name} of {' x '.join(map(str, values.shape))} pixels; give one of the picture's size, {recording.rows} x {recording.columns}"
         )
-    # A missing value of a mask is no reason to count a pixel.
-    return np.asarray(np.nan_to_num(values, nan=1.0) != 0)
+    return np.asarray(np.nan_to_num(values) != 0)

@@ -282,13 +282,10 @@ def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> Gaus
 
 def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | AutobinomialTexture) -> HeldOut:
     """Return the pseudo-likelihood of the half of the data that a fit has not seen, and of independent Gaussian pixels there."""
-    # Long sequences are split in time, short ones into left and right halves.
-    half = len(data) // 2
-    if len(data) >= 2 * STILL:
-        fitted_half, other_half = data[:half], data[half:]
-    else:
-        middle = data.shape[2] // 2
-        fitted_half, other_half = data[:, :, :middle], data[:, :, middle:]
+    parts = halves(data)
+    if parts is None:
+        return HeldOut(None, None, f"{_size(data)} is too small for two halves")
+    fitted_half, other_half = parts
     try:
         if isinstance(texture, GaussianTexture):
             found = predict(FieldsOf(fitted_half, offsets=texture.field.offsets).fit(TextureLaw(texture.law.values)).texture, other_half)
