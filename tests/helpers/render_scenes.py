@@ -15,7 +15,7 @@ from seaglint.imaging.attitude_scene import TurnedScene
 from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.layers import Layers
 from seaglint.imaging.scene import Accuracy, Scene, image
-from seaglint.imaging.sparkle import NO_SPARKLES
+from seaglint.imaging.sparkle_settings import NO_SPARKLES
 from seaglint.imaging.upright_scene import SweptScene
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band

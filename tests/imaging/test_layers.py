@@ -10,7 +10,7 @@ from seaglint.base.schema import LAYERS
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose, Track
 from seaglint.imaging.scene import image
-from seaglint.imaging.sparkle import Sparkles
+from seaglint.imaging.sparkle_settings import Sparkles
 from seaglint.imaging.upright_scene import composed
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic

@@ -38,7 +38,7 @@ from seaglint.imaging.camera.pose import Pose, Track
 from seaglint.imaging.layers import COVERAGE, EMITTED, PATH, SKY, SUN, TOTAL, Layers, layers_of, planes_for, require_layers
 from seaglint.imaging.rays import RayTables, ray_tables, rays_per_side
 from seaglint.imaging.scene import CLEAR, Accuracy, Instant, Levels, require_columns, scene_foam
-from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles
+from seaglint.imaging.sparkle_settings import NO_SPARKLES, Sparkles
 from seaglint.imaging.sun_in_sky import SunInSky, disc_in_pixels, sun_in_sky
 from seaglint.imaging.upright_scene import SAME, SweptScene, beyond, require_above, require_dry
 from seaglint.sea.foam.foam_field import FoamField

@@ -17,13 +17,17 @@ over these cells, which they share with their neighbours. In larger pixels one c
 represents all. Cells lie on lattices fixed to the water's mean position, turned to the line of sight in ``SECTORS`` steps. In time a
 cell has a constant value between the events of a Poisson process, so that its correlation is ``exp(-|t|/T_c)`` and any instant can be
 evaluated alone. No state is stored: a factor is a function of (seed, place, time).
+
+**From the waves.** With a ``ClusterTable`` the variance of a pixel is that of the waves that are no geometry
+(:mod:`seaglint.sea.glitter.lit_share`), by the steepness of its facets against the mirroring slope, and so is the time. A pixel smaller
+than these waves is the product of gamma fields on lattices of sides of powers of two, each with the variance that the waves have between
+its side and the next, and of one more that gives the pixel its variance; :mod:`seaglint.imaging.wave_sparkle` makes the table.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,13 +36,11 @@ from seaglint.base.conventions import horizon_depression, horizon_range, surface
 from seaglint.base.jit import kernel, njit
 from seaglint.base.keyed_random import cell_key, gamma_deviate, last_event
 from seaglint.base.random import stream
-from seaglint.facet.glint import glint
-from seaglint.facet.roughness import Sight
-from seaglint.facet.sea_view import SeaView
-from seaglint.facet.sunlight import Sunlight, sunlight_at, turn_at
+from seaglint.facet.facet_sunlight import FacetOptics
+from seaglint.facet.roughness import Roughness, Sight
+from seaglint.facet.sunlight import Sunlight, sunlight_at
 from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.layers import SPREAD, SUN, TOTAL
-from seaglint.radiance.variance import patches
 
 #: Number of cells in one direction up to which a pixel is their average; beyond, pixels are independent.
 #:
@@ -56,18 +58,47 @@ SECTORS = 64  #: Number of lattice directions in a full circle; a pixel is then 
 
 FILLED = 0.7  #: Largest share of a standing cell in the pixel's width in either direction, so that neighbours do not share one.
 
-NEGLIGIBLE = 1e-4  #: Relative variance of the mirrored Sun, weighted by its square, below which sparkles are omitted: 1 % of the glint.
+STEEPNESS_STEP = 0.5  #: Step of the facets' steepness in a ``ClusterTable``, in their standard deviations [1].
 
-SURVEYED = 24  #: Number of rows and columns at which this variance is evaluated.
+
+class ClusterTable(NamedTuple):
+    """Fluctuation of the mirrored Sun from the waves that are no geometry.
+
+    By stretches of the sea in which the same waves are geometry. ``begins``: their first arcs [m, (n,)]. ``nodes[l] = (log of the first arc, nodes per log)``. ``area[l, node, way,
+    u]``: log of the variance of a pixel's lit share times its area on the sea [m2], with its length along (way 0) and across (1) the wind, at
+    a steepness ``u STEEPNESS_STEP`` of the facets. ``shares[l, j]``: variance of the cells of side ``2**(top - j)`` m [1], 0 where they are
+    smaller than pixels. ``times[l, j]``: their correlation time, and last the pixel's [s]. ``reach``: length of waves over 2 pi of each
+    level [m]. ``wind``: azimuth of the waves [rad]; ``disc``: a quarter of the squared radius of the Sun in slopes [1].
+    """
+
+    begins: np.ndarray
+    nodes: np.ndarray
+    area: np.ndarray
+    shares: np.ndarray
+    times: np.ndarray
+    reach: np.ndarray
+    top: int
+    wind: float
+    disc: float
+
+
+#: Table of images whose sea has cells of one length.
+NO_CLUSTERS = ClusterTable(
+    np.empty(0), np.empty((0, 2)), np.empty((0, 0, 2, 0)), np.empty((0, 0)), np.empty((0, 0)), np.empty(0), 0, 0.0, 0.0
+)
 
 
 class Sparkle(NamedTuple):
-    """Sparkle parameters of an image: two words of the seed, the cell's length [m] (0: no sparkles) and the correlation time [s]."""
+    """Sparkle parameters of an image.
+
+    Two words of the seed, the cell's length [m] (0: no sparkles), the correlation time [s], and what replaces both where the waves decide.
+    """
 
     seed_low: int
     seed_high: int
     cell: float
     correlation_time: float
+    clusters: ClusterTable = NO_CLUSTERS
 
 
 NO_SPARKLE = Sparkle(0, 0, 0.0, 1.0)  #: Parameters of images that hold the mean over the facets of a pixel.
@@ -97,85 +128,6 @@ def sparkle_of(seed: int, cell: float, correlation_time: float) -> Sparkle:
     """
     low, high = stream(seed, "sparkle").integers(0, 2**32, size=2)
     return Sparkle(int(low), int(high), float(cell), float(correlation_time))
-
-
-def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
-    """Return the relative variance of the mirrored Sun in a camera's pixels by the mean model, weighted by the square of its mean [1].
-
-    Parameters
-    ----------
-    view : SeaView
-        Sea and Sun.
-    camera : Camera
-        Its pixels.
-    cell : float
-        Length of a cell of the sea [m].
-
-    Returns
-    -------
-    float
-        0 where no Sun is mirrored.
-    """
-    rows, columns = (np.unique(np.linspace(0, n - 1, SURVEYED).astype(int)) for n in (camera.rows, camera.columns))
-    rows = rows[-camera.elevations[rows] > horizon_depression(camera.height)]
-    ground = sparkle_rows(camera)
-    slant = (ground.along * ground.grazing / camera.row_step)[rows][:, None]
-    solid = (ground.reach * camera.column_step * camera.row_step)[rows][:, None] / slant
-    theta = np.arccos(ground.grazing[rows])[:, None]
-    turn = turn_at(ground.range_m[rows])[:, None]
-    sun = (view.solar_zenith, view.solar_azimuth)
-    mirrored = glint(theta, camera.azimuths[columns] + np.pi, *sun, view.slopes, view.shadowing, turn, view.disc.lit_radius)
-    shown = mirrored.chance > 0.0
-    if not shown.any():
-        return 0.0
-    # number of cells in a pixel
-    many = patches(np.where(shown, mirrored.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
-    return float(np.sum(mirrored.chance * (1.0 - mirrored.chance) / np.maximum(many, 1.0)) / np.sum(mirrored.chance**2))
-
-
-@dataclass(frozen=True)
-class Sparkles:
-    """Sparkle settings of a scene; ``use = "auto"`` omits them where they are negligible.
-
-    Parameters
-    ----------
-    seed : int
-        The sea's seed.
-    cell : float
-        Length of its cells [m].
-    correlation_time : float
-        Correlation time of the glint at a point [s].
-    use : {"auto", "on", "off"}
-        Draw them, omit them, or omit them where they are negligible.
-    """
-
-    seed: int
-    cell: float
-    correlation_time: float
-    use: Literal["auto", "on", "off"] = "auto"
-
-    def reseeded(self, seed: int) -> Sparkles:
-        """Return the sparkles of another realisation of the sea."""
-        return replace(self, seed=seed)
-
-    def of(self, view: SeaView, camera: Camera) -> tuple[Sparkle, dict[str, Any]]:
-        """Return the parameters for the kernels, ``NO_SPARKLE`` for images without sparkles, and a note for the provenance."""
-        if self.use == "off":
-            return NO_SPARKLE, {"subpixel_glint": "off: the mean over the facets of a pixel"}
-        variance = relative_variance(view, camera, self.cell)
-        if variance == 0.0:
-            return NO_SPARKLE, {"subpixel_glint": "none: no mirrored Sun in the image"}
-        if self.use == "auto" and variance < NEGLIGIBLE:
-            return NO_SPARKLE, {"subpixel_glint": f"left out: its relative variance, {variance:.1e}, is below {NEGLIGIBLE:g}"}
-        return sparkle_of(self.seed, self.cell, self.correlation_time), {
-            "subpixel_glint": "gamma field on the water's mean position",
-            "subpixel_glint_relative_variance": float(f"{variance:.3g}"),
-            "subpixel_glint_cell_m": self.cell,
-            "subpixel_glint_correlation_time_s": self.correlation_time,
-        }
-
-
-NO_SPARKLES = Sparkles(0, 1.0, 1.0, "off")  #: Settings of scenes that hold the mean over the facets of a pixel.
 
 
 def sparkle_rows(camera: Camera) -> SparkleRows:
@@ -348,20 +300,163 @@ def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence:
 
 
 @kernel
+def cluster_level(table: ClusterTable, arc: float) -> int:
+    """Return the number of the stretch of the sea at an arc from the sensor's foot [m]."""
+    level = 0
+    while level + 1 < table.begins.shape[0] and arc >= table.begins[level + 1]:
+        level += 1
+    return level
+
+
+@kernel
+def cluster_area(table: ClusterTable, level: int, arc: float, steepness: float, along: float) -> float:
+    """Return the variance of a pixel's lit share times its area on the sea [m2].
+
+    ``steepness``: distance of the mirroring slope from the facet's, in its deviations. ``along``: squared cosine of the angle between the
+    line of sight and the wind.
+    """
+    area = table.area[level]
+    x = min(max((math.log(arc) - table.nodes[level, 0]) * table.nodes[level, 1], 0.0), area.shape[0] - 1.0)
+    i = min(int(x), area.shape[0] - 2)
+    u = steepness / STEEPNESS_STEP
+    j = min(int(u), area.shape[2] - 2)
+    total = 0.0
+    for way in range(2):
+        near = area[i, way, j] + (u - j) * (area[i, way, j + 1] - area[i, way, j])
+        far = area[i + 1, way, j] + (u - j) * (area[i + 1, way, j + 1] - area[i + 1, way, j])
+        total += (along if way == 0 else 1.0 - along) * (near + (x - i) * (far - near))
+    return math.exp(total)
+
+
+@kernel
+def clustered_spread(
+    table: ClusterTable,
+    lit: FacetOptics,
+    sight: Sight,
+    slopes: tuple[float, float, float, float, float],
+    half: tuple[float, float],
+    arc: float,
+) -> tuple[float, float]:
+    """Return the variance of a pixel's lit share times its area on the sea [m2], and the facet's density at the mirroring slope [1].
+
+    ``slopes``: resolved slope towards east and north, and the covariance about it (ee, en, nn). ``half``: mirroring slope, east and north.
+    """
+    rough: Roughness = lit.roughness
+    ee, en, nn = rough.east_east + slopes[2] + table.disc, rough.east_north + slopes[3], rough.north_north + slopes[4] + table.disc
+    east, north = half[0] - slopes[0], half[1] - slopes[1]
+    area = ee * nn - en * en
+    squared = max((nn * east * east - 2.0 * en * east * north + ee * north * north) / area, 0.0)
+    along = sight.east * math.sin(table.wind) + sight.north * math.cos(table.wind)
+    density = math.exp(-0.5 * squared) / (2.0 * math.pi * math.sqrt(area))
+    return cluster_area(table, cluster_level(table, arc), arc, math.sqrt(squared), along * along), density
+
+
+@kernel
 def facet_spread(
-    sparkle: Sparkle, sun: Sunlight, sight: Sight, grazing: tuple[float, float], solar: float, factor: float, across: float
+    sparkle: Sparkle,
+    lit: FacetOptics,
+    sight: Sight,
+    grazing: tuple[float, float],
+    slopes: tuple[float, float, float, float, float],
+    light: tuple[float, float],
+    across: float,
+    arc: float,
 ) -> float:
     """Return the variance ``piece_variance`` of a facet [W2 m-4 sr-2]; 0 without sparkles.
 
-    ``factor`` [1/sr] is ``sun_factor`` times the share of the Sun above the waves; multiplied by the
-    solid angle of the Sun it is P. ``grazing``: sine and cosine of the grazing angle.
+    ``light``: its sunlight, and ``sun_factor`` times the share of the Sun above the waves [1/sr]; multiplied by the solid angle of the Sun
+    this is P. ``grazing``: sine and cosine of the grazing angle; ``slopes`` and ``where`` as of ``clustered_spread``. From the waves the
+    variance is the lit share's of the pixel, whose area on the sea is ``across`` over ``A+ = q/(4 cos^4(beta) factor)``, the sine of the
+    angle at which the facet is seen.
     """
+    solar, factor = light
     if sparkle.cell <= 0.0 or factor <= 0.0:
         return 0.0
-    chance = factor * math.pi * sun.radius * sun.radius
+    sun = lit.sunlight
     sine, cosine = grazing
     twice = 1.0 + cosine * (sight.east * sun.east + sight.north * sun.north) + sine * sun.up
-    return piece_variance(sparkle, solar, chance, math.sqrt(max(0.5 * twice, 1e-12)), sine + sun.up, across)
+    if sparkle.clusters.begins.shape[0] == 0:
+        chance = factor * math.pi * sun.radius * sun.radius
+        return piece_variance(sparkle, solar, chance, math.sqrt(max(0.5 * twice, 1e-12)), sine + sun.up, across)
+    up = sine + sun.up
+    half = (-(sight.east * cosine + sun.east) / up, -(sight.north * cosine + sun.north) / up)
+    correlated, density = clustered_spread(sparkle.clusters, lit, sight, slopes, half, arc)
+    # cos(beta) = up/(2 cos(omega)), and 4 cos^2(omega) = 2 twice
+    cosine_tilt = up * up / max(2.0 * twice, 1e-12)
+    seen = density / (4.0 * cosine_tilt * cosine_tilt * factor)
+    return solar * solar * correlated * seen / across
+
+
+@kernel
+def standing(sparkle: Sparkle, place: tuple[float, float], sides: tuple[int, int], sector: int, shape: float, clock: float) -> float:
+    """Return the mean of ``COMPONENTS`` gamma deviates of one pixel of many cells, for pixels of sides of powers of two.
+
+    ``sides``: their exponents along and across; ``clock``: time over the correlation time.
+    """
+    lattice = ((sector * 256 + sides[0] + 128) * 256 + sides[1] + 128) * 4
+    along, across = 2.0 ** sides[0], 2.0 ** sides[1]
+    total = 0.0
+    for part in range(COMPONENTS):
+        shift = part / COMPONENTS
+        i, j = math.floor(place[0] / along + shift), math.floor(place[1] / across + shift)
+        key = cell_key((sparkle.seed_low, sparkle.seed_high), i, j, lattice + part)
+        total += gamma_deviate(shape / COMPONENTS, (key[1], key[0]), last_event(key, clock))
+    return total / COMPONENTS
+
+
+@kernel
+def kept_share(length: float, side: float) -> float:
+    """Return the share of the variance of cells in a row that is left in a mean over a length, at a random place [1]."""
+    ratio = length / side
+    return 1.0 - ratio / 3.0 if ratio <= 1.0 else 1.0 / ratio - 1.0 / (3.0 * ratio * ratio)
+
+
+@kernel
+def clustered_factor(
+    sparkle: Sparkle,
+    place: tuple[float, float],
+    along_sight: Heading,
+    footprint: tuple[float, float],
+    variance: float,
+    level: int,
+    time: float,
+) -> float:
+    """Return a factor of mean 1 for the mirrored Sun of a pixel, of a relative variance [1]; arguments as of ``sparkle_factor``.
+
+    Fields of cells larger than the pixel, which it shares with its neighbours, are multiplied; one of its own adds what is left of the
+    variance: ``1 + v = prod_j (1 + v_j) (1 + v_own)``.
+    """
+    if not variance > 0.0:
+        return 1.0
+    table = sparkle.clusters
+    x = place[0] * along_sight.sine + place[1] * along_sight.cosine
+    y = place[0] * along_sight.cosine - place[1] * along_sight.sine
+    length, width = footprint
+    last = table.shares.shape[1]
+    factor, second = 1.0, 1.0
+    for j in range(last):
+        share, side = table.shares[level, j], 2.0 ** (table.top - j)
+        if share <= 0.0 or side <= width:
+            continue
+        kept = kept_share(length, side) * kept_share(width, side)
+        # no more than the pixel's own variance: a pixel seen at a grazing angle may have less than a square one
+        if second * (1.0 + share * kept) > 1.0 + variance:
+            continue
+        clock = Sparkle(sparkle.seed_low, sparkle.seed_high, side, table.times[level, j])
+        lattice = ((along_sight.sector * 256 + table.top - j + 128) * 256 + table.top - j + 128) * 4 + 2
+        if length > MOST_CELLS * side:
+            # one cell as long as the pixel, with the shape of their sum
+            side_along = 2.0 ** power_below(FILLED * length)[0]
+            along, shape = box(x, 0.0, side_along), (length / side + BORDER) / share
+        else:
+            along, shape = box(x, length, side), 1.0 / share
+        factor *= average(clock, lattice, along, box(y, width, side), shape, time)
+        second *= 1.0 + share * kept
+    own = (1.0 + variance) / second - 1.0
+    if own <= 1e-9:
+        return factor
+    sides = (power_below(FILLED * length)[0], power_below(FILLED * width)[0])
+    return factor * standing(sparkle, (x, y), sides, along_sight.sector, 1.0 / own, time / table.times[level, last])
 
 
 @kernel
@@ -389,8 +484,15 @@ def sparkle_column(
             stretch = twice / ((sine + there.up) * sine)
             place = (origin[0] + rows.range_m[row] * east, origin[1] + rows.range_m[row] * north)
             footprint = (rows.along[row], rows.reach[row] * rows.column_step)
-            factor = sparkle_factor(sparkle, place, along_sight, footprint, stretch, variance / (solar * solar), time)
-            many = footprint[0] > INDEPENDENT * sparkle.cell * stretch and footprint[1] > INDEPENDENT * sparkle.cell
+            relative = variance / (solar * solar)
+            if sparkle.clusters.begins.shape[0] > 0:
+                level = cluster_level(sparkle.clusters, rows.range_m[row])
+                factor = clustered_factor(sparkle, place, along_sight, footprint, relative, level, time)
+                least = INDEPENDENT * sparkle.clusters.reach[level]
+                many = footprint[0] > least and footprint[1] > least
+            else:
+                factor = sparkle_factor(sparkle, place, along_sight, footprint, stretch, relative, time)
+                many = footprint[0] > INDEPENDENT * sparkle.cell * stretch and footprint[1] > INDEPENDENT * sparkle.cell
             for part in range(images.shape[0]):
                 solar = images[part, SUN, row]
                 images[part, TOTAL, row] += solar * (factor - 1.0)

@@ -29,7 +29,8 @@ from seaglint.imaging.camera.imager import Attitude, Camera, Imager, pixels_of
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import CHANNELS, SPREAD, SUN, TOTAL, Layers, channels_for, layers_of, planes_for, require_layers, summed
 from seaglint.imaging.scene import CLEAR, Accuracy, Instant, Levels, SceneFoam, averaged_share, joined, require_columns, scene_foam
-from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles, sparkle_rows
+from seaglint.imaging.sparkle import sparkle_rows
+from seaglint.imaging.sparkle_settings import NO_SPARKLES, Sparkles
 from seaglint.imaging.sun_in_sky import NO_SUN, sun_in_sky
 from seaglint.imaging.sweep.sweep import NEGLIGIBLE_MOON, NEGLIGIBLE_SUN, SHARED, Rows, Swept
 from seaglint.imaging.sweep.walk import PATH_EVERY, Merging, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
@@ -174,7 +175,7 @@ class SweptScene:
             "level_shortest_wave_m": [level.shortest_wave for level in detail.levels] if waves else None,
             "level_averaged_over_m": list(self._levels.widths) if waves else None,
             "most_lines_per_column": self.accuracy.lines_per_column,
-            **self.sparkles.of(self.view, self._prepared_for)[1],
+            **self.sparkles.of(self.view, self._prepared_for, self._levels)[1],
             "spectral_terms": [] if tables is None else [int(terms.shape[1]) for terms in tables.walk.path[:2]],
         }
 
@@ -218,7 +219,7 @@ class SweptScene:
         """Return another realisation of the same sea, sparkles included, without preparing anything again."""
         sparkles, tables = self.sparkles.reseeded(seed), self._tables
         if tables is not None:
-            tables = tables._replace(sparkle=sparkles.of(self.view, self._prepared_for)[0])
+            tables = tables._replace(sparkle=sparkles.of(self.view, self._prepared_for, self._levels)[0])
         moonlit = None if self._moonlit is None else self._moonlit.reseeded(seed)
         if self.waves is None:
             return replace(self, sparkles=sparkles, _tables=tables, _moonlit=moonlit)
@@ -374,7 +375,8 @@ class SweptScene:
         faint = NEGLIGIBLE_SUN if view.disc.ratio is None else NEGLIGIBLE_MOON
         merging = Merging(self.accuracy.merged_spread, CELLS_PER_ROW / self._row, highest)
         foam = NO_FOAM if view.foam is None else foam_tables(view, basis)
-        return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0], merging, foam, faint)
+        sparkle = self.sparkles.of(view, camera, levels)[0]
+        return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, sparkle, merging, foam, faint)
 
     def _domains(self, arcs: FloatArray) -> list[FacetDomain]:
         """Return the facets of every level with the sines of their grazing angles, from troughs to crests."""

@@ -35,6 +35,7 @@ from seaglint.base.conventions import view_zenith as view_zenith_of
 from seaglint.base.errors import DomainError
 from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sunlight import visible_sun
+from seaglint.radiance.lit_variance import WaveGlint
 from seaglint.radiance.mean_radiance import SeaRadiance
 from seaglint.sea.dispersion import wavenumber
 
@@ -233,7 +234,9 @@ def glint_variance(
     return np.asarray(point_variance(sun_mean, chance) / np.maximum(m, 1.0))
 
 
-def sea_variance(view: SeaView, mean: SeaRadiance, elevation: ArrayLike, solid_angle: ArrayLike, correlation_length: float) -> FloatArray:
+def sea_variance(
+    view: SeaView, mean: SeaRadiance, elevation: ArrayLike, solid_angle: ArrayLike, correlation: float | WaveGlint
+) -> FloatArray:
     """Variance of glint for the lines of sight of a mean radiance.
 
     Parameters
@@ -246,8 +249,8 @@ def sea_variance(view: SeaView, mean: SeaRadiance, elevation: ArrayLike, solid_a
         Its elevations [rad, (rows,)].
     solid_angle : array_like
         Solid angle of a detector [sr, scalar or (rows,)].
-    correlation_length : float
-        Side of a cell of the sea [m].
+    correlation : float or WaveGlint
+        Side of a cell of the sea [m], or the waves.
 
     Returns
     -------
@@ -271,6 +274,13 @@ def sea_variance(view: SeaView, mean: SeaRadiance, elevation: ArrayLike, solid_a
     for light, mirrored in ((first, of_first), (second, mean.moon)):
         if light is None or mirrored is None:
             continue
+        if isinstance(correlation, WaveGlint):
+            shown = mirrored.chance[sea] > 0.0
+            cosine = np.where(shown, mirrored.cos_incidence[sea], 1.0)
+            look = (theta[sea][:, None], light.solar_zenith, distance[:, None], omega[sea][:, None])
+            share = correlation.relative_variance(view.slopes, light.disc.lit_radius, cosine, *look)
+            variance[sea] += np.where(shown, mirrored.sun[sea] ** 2 * share, 0.0)
+            continue
         variance[sea] += glint_variance(
             mirrored.sun[sea],
             mirrored.chance[sea],
@@ -279,6 +289,6 @@ def sea_variance(view: SeaView, mean: SeaRadiance, elevation: ArrayLike, solid_a
             light.solar_zenith,
             distance[:, None],
             omega[sea][:, None],
-            correlation_length,
+            correlation,
         )
     return variance

@@ -176,7 +176,8 @@ def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pi
     across = line.width / swept.rows.per_radian * reach * reach / cosine
     path = line.path[p] + f * (line.path[p + 1] - line.path[p])
     light[j, TOTAL], light[j, SUN] = warm + path + solar, solar
-    light[j, SPREAD] = facet_spread(swept.sparkle, sun, line.sight, grazing, solar, factor, across)
+    slopes, seen = (slope[0], slope[1], spread[0], spread[1], spread[2]), FacetOptics(sun, lit.roughness, lit.tables)
+    light[j, SPREAD] = facet_spread(swept.sparkle, seen, line.sight, grazing, slopes, (solar, factor), across, r)
     if light.shape[1] > FEWEST:
         light[j, EMITTED] = facet_thermal(lit.tables.axes, line.emitted, walk.path.emitted, (p, f), line.sight, grazing[0], slope)
         light[j, PATH] = path

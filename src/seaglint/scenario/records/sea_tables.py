@@ -5,9 +5,10 @@ Each kind of slope statistics (``[sea.slopes]``) and of wave spectra (``[sea.spe
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, StrictBool, ValidationInfo, field_validator
+from pydantic import Field, StrictBool, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from seaglint.base.limits import BREON_HENRIOT_WIND, COX_MUNK_SLICK_WIND, COX_MUNK_WIND, WIND_PROFILE
@@ -200,8 +201,17 @@ Spectrum = Annotated[Annotated[System | WaveSystems | FlatSea, Field(discriminat
 class Glint(Record):
     """Correlation of the Sun's glint in time and over the sea, which sets how much glint fluctuates in a pixel."""
 
+    correlation: Annotated[
+        Literal["waves", "time"],
+        about(
+            "waves: correlation from the waves that are no geometry; time: cells of one length, from correlation_time_s; default: waves, "
+            "or time where one of the other keys is set"
+        ),
+    ] = "waves"
     correlation_time_s: Annotated[
-        float, Quantity("s", ge=0.001, le=10), about("correlation time of glint at a point (reported: 0.03 to 0.3 s)")
+        float,
+        Quantity("s", ge=0.001, le=10),
+        about("correlation time of glint at a point (reported: 0.03 to 0.3 s), for correlation = 'time'"),
     ] = 0.07
     dispersion: Annotated[
         Literal["full", "article"],
@@ -211,6 +221,24 @@ class Glint(Record):
         Annotated[float, Quantity("m", ge=1e-4, le=100)] | None,
         about("size of the sea's cells that glint independently; default: from the correlation time"),
     ] = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _time_where_given(cls, given: Any) -> Any:
+        # scenarios from before the key are explicit about the time: they keep their cells
+        cells = ("correlation_time_s", "dispersion", "cell_m")
+        if isinstance(given, Mapping) and "correlation" not in given and any(given.get(key) is not None for key in cells):
+            return {"correlation": "time", **given}
+        return given
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        for key in ("correlation_time_s", "dispersion", "cell_m"):
+            value = getattr(self, key)
+            if self.correlation == "waves" and value != type(self).model_fields[key].default:
+                text = f"is 'waves', and {key} = {value} is for correlation = 'time'; leave one of them out"
+                raise PydanticCustomError("quantity", "{text}", {"text": text, "key": "correlation"})
+        return self
 
 
 class Foam(Record):

@@ -27,8 +27,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Final
+from functools import cached_property, lru_cache
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -89,10 +89,7 @@ class LitShare:
         along, mixed, across = covariance[..., 0], covariance[..., 1], covariance[..., 2]
         apart = _normal((0.0, 0.0), 2.0 * (f - along) + w2 / 2.0, 2.0 * (m - mixed), 2.0 * (g - across) + w2 / 2.0)
         both = _normal(
-            self.slope,
-            0.5 * (f + along) + longer[0] + w2 / 8.0,
-            0.5 * (m + mixed) + longer[1],
-            0.5 * (g + across) + longer[2] + w2 / 8.0,
+            self.slope, 0.5 * (f + along) + longer[0] + w2 / 8.0, 0.5 * (m + mixed) + longer[1], 0.5 * (g + across) + longer[2] + w2 / 8.0
         )
         return np.asarray(apart * both / self.density**2)
 
@@ -147,7 +144,7 @@ class Clusters:
     @cached_property
     def _moving_lags(self) -> FloatArray:
         # a glint's own size moves away at once: longer lags decide the time
-        return np.geomspace(1e-4, FARTHEST / float(self.waves.wavenumber[0]), LAGS // 2)
+        return np.geomspace(1e-4, FARTHEST / float(self.waves.wavenumber[0]), LAGS // 3)
 
     @cached_property
     def times(self) -> FloatArray:
@@ -156,7 +153,11 @@ class Clusters:
 
     @cached_property
     def _moving(self) -> FloatArray:
-        return self.waves.moving_covariance(self._moving_lags, self.turns, self.times)
+        return self.waves.moving_covariance(self._moving_lags, self._moving_turns, self.times)
+
+    @cached_property
+    def _moving_turns(self) -> FloatArray:
+        return np.pi * (np.arange(TURNS // 2) + 0.5) / (TURNS // 2)
 
     def lit(self, steepness: float, turn: float, radius: float) -> LitShare:
         """Return the lit share at a mirroring slope of a steepness, in deviations of all slopes, in a direction from the axis [rad]."""
@@ -178,14 +179,11 @@ class Clusters:
         turn : float
             Direction of its length from the axis of the waves [rad].
         """
-        means = self.waves.mean_covariance(box, turn, np.zeros(1))
-        return float(np.mean([self._box(self.lit(steepness, a, radius), box, turn, self.lags, self._still[:, :, None], means)[0] for a in _around()]))
+        return float(_box(_still_pairs(self, steepness, radius), box, turn, _still_means(self, box, turn))[0])
 
     def correlation(self, steepness: float, radius: float, box: tuple[float, float], turn: float = 0.0) -> FloatArray:
         """Correlation of the lit share of a box at :attr:`times` after the first [1]; arguments as of :meth:`variance`."""
-        means = self.waves.mean_covariance(box, turn, self.times)
-        parts = [self._box(self.lit(steepness, a, radius), box, turn, self._moving_lags, self._moving, means) for a in _around()]
-        total = np.mean(parts, axis=0)
+        total = _box(_moving_pairs(self, steepness, radius), box, turn, self.waves.mean_covariance(box, turn, self.times))
         return np.asarray(total / total[0])
 
     def correlation_time(self, steepness: float, radius: float, box: tuple[float, float], turn: float = 0.0) -> float:
@@ -198,19 +196,42 @@ class Clusters:
         share = (correlation[i - 1] - math.exp(-1.0)) / (correlation[i - 1] - correlation[i])
         return float(times[i - 1] + share * (times[i] - times[i - 1]))
 
-    def _box(
-        self, lit: LitShare, box: tuple[float, float], turn: float, lags: FloatArray, covariance: FloatArray, means: FloatArray
-    ) -> FloatArray:
-        """Relative variance of a box by lags, turns and times (turns, lags, times, 3), and means over the box (times, 3)."""
-        excess = lit.pairs(covariance) - lit.unrelated - covariance @ lit.linear
-        along = np.abs(lags * np.cos(self.turns - turn)[:, None])
-        across = np.abs(lags * np.sin(self.turns - turn)[:, None])
-        weight = np.clip(1.0 - along / box[0], 0.0, None) * np.clip(1.0 - across / box[1], 0.0, None) * lags**2
-        step = math.log(lags[1] / lags[0])
-        inner = 2.0 * math.pi * step * np.sum(weight[:, :, None] * excess, axis=(0, 1)) / (self.turns.size * box[0] * box[1])
-        return np.asarray(inner + means @ lit.linear)
+    def pairs(self, steepness: float, radius: float, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Excess of pairs at lags over independent ones and over their linear part [1], and the factors of that part, a mean over slopes."""
+        lit = [self.lit(steepness, math.pi * i / SLOPE_TURNS, radius) for i in range(SLOPE_TURNS)]
+        excess = np.mean([one.pairs(covariance) - one.unrelated - covariance @ one.linear for one in lit], axis=0)
+        return np.asarray(excess), np.asarray(np.mean([one.linear for one in lit], axis=0))
 
 
-def _around() -> FloatArray:
-    """Directions of the mirroring slope from the axis [rad]; opposite ones have the same statistics."""
-    return np.pi * np.arange(SLOPE_TURNS) / SLOPE_TURNS
+class _Pairs(NamedTuple):
+    """Lags [m, (n,)], their directions [rad, (m,)], excess (m, n, times) and factors of the linear part (3,) of ``Clusters.pairs``."""
+
+    lags: FloatArray
+    turns: FloatArray
+    excess: FloatArray
+    linear: FloatArray
+
+
+@lru_cache(maxsize=256)
+def _still_pairs(clusters: Clusters, steepness: float, radius: float) -> _Pairs:
+    return _Pairs(clusters.lags, clusters.turns, *clusters.pairs(steepness, radius, clusters._still[:, :, None]))
+
+
+@lru_cache(maxsize=64)
+def _still_means(clusters: Clusters, box: tuple[float, float], turn: float) -> FloatArray:
+    return clusters.waves.mean_covariance(box, turn, np.zeros(1))
+
+
+@lru_cache(maxsize=16)
+def _moving_pairs(clusters: Clusters, steepness: float, radius: float) -> _Pairs:
+    return _Pairs(clusters._moving_lags, clusters._moving_turns, *clusters.pairs(steepness, radius, clusters._moving))
+
+
+def _box(pairs: _Pairs, box: tuple[float, float], turn: float, means: FloatArray) -> FloatArray:
+    """Relative variance of a box at times, from pairs and the covariances of its mean slopes (times, 3)."""
+    along = np.abs(pairs.lags * np.cos(pairs.turns - turn)[:, None])
+    across = np.abs(pairs.lags * np.sin(pairs.turns - turn)[:, None])
+    weight = np.clip(1.0 - along / box[0], 0.0, None) * np.clip(1.0 - across / box[1], 0.0, None) * pairs.lags**2
+    step = math.log(pairs.lags[1] / pairs.lags[0])
+    inner = 2.0 * math.pi * step * np.sum(weight[:, :, None] * pairs.excess, axis=(0, 1)) / (pairs.turns.size * box[0] * box[1])
+    return np.asarray(inner + means @ pairs.linear)

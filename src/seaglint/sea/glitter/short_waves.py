@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -70,7 +71,8 @@ class ShortWaves:
     def scaled(self, up: float, cross: float) -> ShortWaves:
         """Return the bands with other variances of their sum along and across the axis [1], in the same proportions."""
         own = self.variances
-        along, across = (bands * (new / old) if old > 0.0 else bands for bands, new, old in zip((self.up, self.cross), (up, cross), own, strict=True))
+        parts = zip((self.up, self.cross), (up, cross), own, strict=True)
+        along, across = (bands * (new / old) if old > 0.0 else bands for bands, new, old in parts)
         return ShortWaves(self.wavenumber, along, across, self.width, self.to_azimuth)
 
     @classmethod
@@ -78,7 +80,7 @@ class ShortWaves:
         """Return the waves of a spectrum with ``k_min <= k < k_max`` [rad m⁻¹], about the principal axis of their slopes."""
         low, high = max(k_min, spectrum.wavenumber_range[0]), min(k_max, spectrum.wavenumber_range[1])
         edges = np.geomspace(low, high, max(math.ceil(PER_DECADE * math.log10(high / low)), 1) + 1)
-        parts = np.array([[*spectrum.mss(b, a), spectrum.slope_covariance(b, a)] for a, b in zip(edges[:-1], edges[1:], strict=True)])
+        parts = np.array([[*spectrum.mss(b, a), spectrum.slope_covariance(b, a)] for a, b in pairwise(edges)])
         along, across, both = parts.sum(axis=0)
         turn = 0.5 * math.atan2(2.0 * both, along - across) if both != 0.0 else 0.0
         c, s = math.cos(turn), math.sin(turn)
@@ -90,8 +92,9 @@ class ShortWaves:
     def of_slopes(cls, slopes: SlopeStatistics, k_min: float) -> ShortWaves:
         """Return bands with the growth of a slope law beyond a wavenumber [rad m⁻¹]; even over its logarithm where the law has none."""
         grown = slopes.growth()
-        top = max(float(grown[-1, 0]), SPAN * k_min, SHORTEST)
-        edges = np.geomspace(max(k_min, float(grown[0, 0])), top, max(math.ceil(PER_DECADE * math.log10(top / max(k_min, float(grown[0, 0])))), 1) + 1)
+        low = max(k_min, float(grown[0, 0]))
+        top = max(float(grown[-1, 0]), SPAN * low, SHORTEST)
+        edges = np.geomspace(low, top, math.ceil(PER_DECADE * math.log10(top / low)) + 1)
         at = [np.interp(np.log(edges), np.log(grown[:, 0]), grown[:, i]) for i in (1, 2)]
         up, cross = np.maximum(np.diff(at[0]), 0.0), np.maximum(np.diff(at[1]), 0.0)
         if up.sum() <= 0.0 or cross.sum() <= 0.0:
@@ -186,7 +189,8 @@ def _moving(
     out: FloatArray,
 ) -> None:
     """Fill ``out`` (directions, distances, times, 3) with the covariances of slopes, as a sum over directions of the waves."""
-    step = math.pi / DIRECTIONS
+    angle = math.pi * ((np.arange(DIRECTIONS) + 0.5) / DIRECTIONS - 0.5)
+    cosines, sines = np.cos(angle), np.sin(angle)
     for p in range(direction.size):
         towards, aside = math.cos(direction[p]), math.sin(direction[p])
         for m in range(distance.size):
@@ -198,8 +202,7 @@ def _moving(
                     if damping < FAINT or total[i] <= 0.0:
                         continue
                     for j in range(DIRECTIONS):
-                        angle = step * (j + 0.5) - 0.5 * math.pi
-                        c, s = math.cos(angle), math.sin(angle)
+                        c, s = cosines[j], sines[j]
                         wave = (1.0 + 2.0 * a2[i] * (c * c - s * s)) * math.cos(z * (c * towards + s * aside) - turn)
                         wave *= damping * total[i] / DIRECTIONS
                         along += wave * c * c

@@ -32,12 +32,13 @@ from seaglint.imaging.camera.imager import Attitude, Camera, Imager
 from seaglint.imaging.camera.pose import Track
 from seaglint.imaging.refraction import Bending
 from seaglint.imaging.scene import Accuracy
-from seaglint.imaging.sparkle import Sparkles
+from seaglint.imaging.sparkle_settings import Sparkles
 from seaglint.objects.floating import MOST_SAMPLES, FloatingTrack, Swell
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.moonlight import moon_to_sun
 from seaglint.optics.sea_water import WaterIndex
+from seaglint.radiance.lit_variance import WaveGlint
 from seaglint.radiance.variance import capillary_length, correlation_length
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.moon import moon_position
@@ -183,8 +184,16 @@ def breaking_crests(scenario: Scenario) -> BreakingCrests | None:
     return None if foam is None or share == 0.0 else BreakingCrests.create(share, scenario.wind.speed_m_s, foam.crests)
 
 
+def glint_correlation(scenario: Scenario) -> float | WaveGlint:
+    """Return the correlation length of glint on the sea [m], or the waves from which its fluctuation follows."""
+    glint, cut = scenario.sea.glint, scenario.sea.shortest_wave_m
+    if glint.correlation == "time":
+        return glint_length(scenario)
+    return WaveGlint(waves(scenario).spectrum, cut if scenario.sea.resolve_waves else math.inf)
+
+
 def glint_length(scenario: Scenario) -> float:
-    """Return the correlation length of glint on the sea [m]."""
+    """Return the length of the cells of glint on the sea from its correlation time [m]."""
     glint = scenario.sea.glint
     if glint.cell_m is not None:
         return glint.cell_m
@@ -202,7 +211,9 @@ def sparkles(scenario: Scenario) -> Sparkles:
     mode = scenario.render.subpixel_glint
     # Without resolved waves the picture is the mean over all slopes.
     mode = "off" if mode == "auto" and not scenario.sea.resolve_waves else mode
-    return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, mode)
+    correlation = glint_correlation(scenario)
+    by_waves = correlation if isinstance(correlation, WaveGlint) else None
+    return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, mode, by_waves)
 
 
 def view_at(scenario: Scenario) -> Callable[[float], SeaView]:

@@ -28,6 +28,7 @@ from seaglint.imaging.camera.pose import Pose, pixel_directions, pose_at
 from seaglint.imaging.refraction import air_beyond
 from seaglint.optics.band import apparent_temperature
 from seaglint.radiance.article import article_radiance
+from seaglint.radiance.lit_variance import WaveGlint
 from seaglint.radiance.mean_radiance import NODES, MeanModel, SeaRadiance, mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.model import Scenario
@@ -164,7 +165,7 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
     view = scenario_physics.standing_view(scenario, pose.height)
     if scenario.mean.mode == "article":
         view = scenario_physics.article_view(scenario, view)
-    camera, length = imager.camera(pose.height, pose.attitude), scenario_physics.glint_length(scenario)
+    camera, length = imager.camera(pose.height, pose.attitude), scenario_physics.glint_correlation(scenario)
     if camera is not None:
         azimuth, elevation = camera.azimuths, camera.elevations
         maps = _of_rows(scenario, camera, view, length, progress)
@@ -233,7 +234,9 @@ def _digest(path: Path) -> str:
     return digest.hexdigest()
 
 
-def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, progress: Progress | None) -> dict[str, FloatArray]:
+def _of_rows(
+    scenario: Scenario, camera: Camera, view: SeaView, length: float | WaveGlint, progress: Progress | None
+) -> dict[str, FloatArray]:
     """Return components and the standard deviation of glint on a grid of elevation and azimuth [W m-2 sr-1, (rows, columns) each].
 
     Cells of the sea are independent, so a row's variance is the mean over its elevations, each with the solid angle of the pixel.
@@ -288,7 +291,7 @@ def azimuths_across(view: SeaView, step: float) -> int:
     return max(math.ceil(3.0 * step / narrowest), math.ceil(step / _WIDEST))
 
 
-def _components_along(scenario: Scenario, view: SeaView, length: float) -> Sights:
+def _components_along(scenario: Scenario, view: SeaView, length: float | WaveGlint) -> Sights:
     """Return a function for components at scattered lines of sight, with the variance of glint in place of its root."""
     along: Callable[[FloatArray, FloatArray], SeaRadiance]
     match scenario.mean.mode:

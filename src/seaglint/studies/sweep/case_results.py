@@ -145,7 +145,7 @@ def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
         components = shared.lines(view, elevation, azimuth).under(view)
     # The deviation of glint depends on the size of a pixel, which view angles do not have.
     pixel = float(imager.solid_angle(pose.attitude, 0.5 * imager.columns, 0.5 * imager.rows))
-    variance = sea_variance(view, components, elevation, np.full(elevation.size, pixel), scenario_physics.glint_length(scenario))
+    variance = sea_variance(view, components, elevation, np.full(elevation.size, pixel), scenario_physics.glint_correlation(scenario))
     temperature = apparent_temperature(components.total, view.band, view.atmosphere.wavenumber_cm)
     values = (components.total, temperature, components.path, components.emission, components.sky, components.sunlight, np.sqrt(variance))
     shape = (elevation.size, azimuth.size)
