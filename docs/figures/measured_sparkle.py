@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.optimize import brentq
 
 from pictures import save_named
 from seaglint.base.conventions import FloatArray
@@ -40,8 +41,9 @@ LAGS = 120  # points, of correlation lengths
 CELL = 0.0026  # m: the article's cells at 70 ms
 RADYO_WINDS = (5.0, 9.0)
 BLOCK, RESAMPLED = 128, 400  # points of a side of the blocks that are drawn again
-DRAWS = {"own": 96, "radyo": 64}
+DRAWS = {"own": 400, "radyo": 200}
 SEED = 1
+VARIANCES = slice(1, 1 + len(SIDES))  # of ``Lit.values``
 
 #: The camera of the series of mean slopes: height [m], angle off the nadir [deg], focal length [m], pitch [m], and pixels.
 #:
@@ -147,10 +149,12 @@ def of_measured(radius: float) -> tuple[Lit, FloatArray]:
 
 
 def random_phases(seed: int) -> Fields:
-    """A field with the measured one's spectra and cross spectrum, and random phases."""
-    white = stream(SEED, "phases", seed).standard_normal((POINTS, POINTS))
-    turn = np.exp(1j * np.angle(np.fft.fft2(white)))
-    first, second = (np.fft.ifft2(np.fft.fft2(part) * turn).real for part in measured())
+    """A field with the measured one's spectra and cross spectrum, and random phases and amplitudes: a Gaussian field.
+
+    Phases alone would not suffice: few long waves of fixed amplitudes have fewer small slopes than a Gaussian field, here by a tenth.
+    """
+    white = np.fft.fft2(stream(SEED, "phases", seed).standard_normal((POINTS, POINTS))) / POINTS
+    first, second = (np.fft.ifft2(np.fft.fft2(part) * white).real for part in measured())
     return first, second
 
 
@@ -165,26 +169,28 @@ def drawn(spectrum: DirectionalSpectrum, seed: int, points: int = POINTS, step: 
     return to_east, to_north
 
 
-def of_fields(make: Callable[[int], Fields], count: int, radius: float) -> tuple[Lit, FloatArray]:
-    """Mean of many fields, variances over the squared mean share of all, and its standard error by omission of one field."""
-    sums = []
+def of_fields(make: Callable[[int], Fields], count: int) -> dict[float, tuple[Lit, FloatArray]]:
+    """Means of many fields by radius, variances over the squared mean share of all, and standard errors by omission of one field."""
+    sums: dict[float, list[list[FloatArray]]] = {radius: [] for radius in RADII}
     for seed in range(count):
-        blocks = products(points_of(make(seed), radius), POINTS)
-        sums.append([part[0, 0] for part in blocks])
-    shares, squares, lags = (np.array(part) for part in zip(*sums, strict=True))
-
-    def of_all(chosen: FloatArray) -> FloatArray:
-        share = float(shares[chosen].mean())
-        own = shares[chosen] ** 2
+        fields = make(seed)
+        for radius in RADII:
+            sums[radius].append([part[0, 0] for part in products(points_of(fields, radius), POINTS)])
+    out = {}
+    for radius, parts in sums.items():
+        shares, squares, lags = (np.array(part) for part in zip(*parts, strict=True))
         # variance about each field's own mean, as of the measured one
-        variance = (squares[chosen] - own[:, None]).mean(0) / share**2
-        line = (lags[chosen] - own[:, None, None]).mean(0)
-        return np.concatenate([[share], variance, [STEP * one_over_e(one / one[0]) for one in line]])
+        totals = (shares, squares - shares[:, None] ** 2, lags - shares[:, None, None] ** 2)
 
-    whole = np.arange(count)
-    without = np.array([of_all(np.delete(whole, i)) for i in range(count)])
-    values = of_all(whole)
-    return Lit(float(values[0]), values[1:7], values[7:]), np.nanstd(without, axis=0) * math.sqrt(count - 1.0)
+        def of_all(means: list[FloatArray]) -> FloatArray:
+            share, variance, line = means
+            return np.concatenate([[share], variance / share**2, [STEP * one_over_e(one / one[0]) for one in line]])
+
+        values = of_all([part.mean(0) for part in totals])
+        without = np.array([of_all([(part.sum(0) - part[i]) / (count - 1) for part in totals]) for i in range(count)])
+        lit = Lit(float(values[0]), values[VARIANCES], values[VARIANCES.stop :])
+        out[radius] = lit, np.nanstd(without, axis=0) * math.sqrt(count - 1.0)
+    return out
 
 
 def closed(covariance: FloatArray, radius: float) -> Lit:
@@ -216,7 +222,12 @@ def own_covariance() -> FloatArray:
 
 def of_waves(spectrum: DirectionalSpectrum) -> FloatArray:
     """Covariance of the slopes of the waves of a lattice at all lags up to its side, towards the east first; the spectrum's waves go east."""
-    waves = ShortWaves.of_spectrum(spectrum, 2.0 * np.pi / (POINTS * STEP), np.pi / STEP)
+    # the longest waves of a lattice are few: the continuous ones begin where both have the same slopes
+    k = 2.0 * np.pi * np.fft.fftfreq(POINTS, STEP)
+    east, north = np.meshgrid(k, k, indexing="ij")
+    total = float(np.sum(spectrum.density(east, north) * (east**2 + north**2))) * k[1] ** 2
+    begin = brentq(lambda low: sum(spectrum.mss(np.pi / STEP, low)) - total, 0.2 * k[1], 4.0 * k[1], rtol=1e-6)
+    waves = ShortWaves.of_spectrum(spectrum, begin, np.pi / STEP)
     lags = np.fft.fftfreq(2 * POINTS, 1.0 / (2 * POINTS))
     along, across = np.meshgrid(lags[lags >= 0], lags, indexing="ij")
     half = waves.covariance(STEP * np.hypot(along, across), np.arctan2(across, along))
@@ -252,17 +263,19 @@ def field_rows() -> Iterator[dict[str, Any]]:
     seas = {f"radyo-2008, {wind:g} m/s": campaign_spectrum("radyo-2008", wind, 0.5 * math.pi) for wind in RADYO_WINDS}
     covariances = {name: of_waves(spectrum) for name, spectrum in seas.items()}
     own = own_covariance()
+    made = {"own spectrum": of_fields(random_phases, DRAWS["own"])}
+    print("fields with the measured spectrum drawn", file=sys.stderr, flush=True)
+    for name, spectrum in seas.items():
+        made[name] = of_fields(lambda seed, spectrum=spectrum: drawn(spectrum, seed), DRAWS["radyo"])  # type: ignore[misc]
+        print(f"{name} drawn", file=sys.stderr, flush=True)
     for radius in RADII:
         seen, error = of_measured(radius)
         yield from numbers(radius, "measured", 1, seen, error)
-        yield from numbers(radius, "own spectrum, drawn", DRAWS["own"], *of_fields(random_phases, DRAWS["own"], radius))
-        yield from numbers(radius, "own spectrum, closed form", 0, closed(own, radius))
-        for name, spectrum in seas.items():
-            made = of_fields(lambda seed, spectrum=spectrum: drawn(spectrum, seed), DRAWS["radyo"], radius)  # type: ignore[misc]
-            yield from numbers(radius, f"{name}, drawn", DRAWS["radyo"], *made)
-            yield from numbers(radius, f"{name}, closed form", 0, closed(covariances[name], radius))
+        for name, fields in made.items():
+            covariance = own if name == "own spectrum" else covariances[name]
+            yield from numbers(radius, f"{name}, drawn", DRAWS[name.split("-")[0].split()[0]], *fields[radius])
+            yield from numbers(radius, f"{name}, closed form", 0, closed(covariance, radius))
         yield from numbers(radius, "cells of 2.6 mm", 0, cells(seen.share))
-        print(f"window of {1e3 * radius:g} mrad done", file=sys.stderr, flush=True)
 
 
 def put(name: str, rows: list[dict[str, Any]]) -> None:
@@ -283,9 +296,6 @@ def values(rows: list[dict[str, str]], window: int, what: str, kind: str = "valu
     """Numbers of one line of the comparison, in the order of ``NAMES``."""
     row = next(row for row in rows if (row["window_mrad"], row["what"], row["kind"]) == (str(window), what, kind))
     return np.array([float(row[name]) for name in NAMES])
-
-
-VARIANCES = slice(1, 1 + len(SIDES))
 
 
 def apart(rows: list[dict[str, str]], what: str) -> float:
