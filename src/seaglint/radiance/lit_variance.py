@@ -22,6 +22,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.facet.sunlight import visible_sun
 from seaglint.sea.glitter.lit_share import Clusters, Covariance
 from seaglint.sea.glitter.short_waves import ShortWaves
+from seaglint.sea.shadowing.smith import projected_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 
@@ -78,7 +79,7 @@ class WaveGlint:
         slant_range: ArrayLike,
         solid_angle: ArrayLike,
     ) -> FloatArray:
-        r"""Relative variance of the mirrored Sun in square pixels, ``v = K cos(theta_v)/(Omega r^2)`` [1].
+        r"""Relative variance of the mirrored Sun in square pixels, ``v = K A+/(Omega r^2)`` with Smith's projected area ``A+`` [1].
 
         Parameters
         ----------
@@ -96,7 +97,8 @@ class WaveGlint:
 
         Notes
         -----
-        The mirroring slope counts by its size alone: variances along and across the wind differ by a factor of two at most.
+        The mirroring slope counts by its size alone, and hiding by Smith's law: variances along and across the wind differ by a factor of
+        two at most.
         """
         _, zenith = visible_sun(solar_zenith)
         cosine = np.maximum(np.asarray(cos_incidence, np.float64), 1e-9)
@@ -115,8 +117,9 @@ class WaveGlint:
             np.clip(np.log(x), np.log(size[0]), np.log(size[-1])) for x, size in zip((width, length / width, spread), sizes, strict=True)
         ]
         points = np.stack([*inside, np.clip(steepness, 0.0, STEEPEST) ** 2], axis=-1)
-        # area of the pixel in square metres: the table has it in it
-        return np.asarray(np.exp(table(points.reshape(-1, 4))).reshape(steepness.shape) / (width * length))
+        # the sea that is seen in a pixel is the less the more of it is hidden
+        seen = projected_area(np.asarray(view_zenith, np.float64), 0.5 * slopes.mss)
+        return np.asarray(np.exp(table(points.reshape(-1, 4))).reshape(steepness.shape) * seen / width**2)
 
 
 def _nodes(values: FloatArray, most: int = _SIZES) -> FloatArray:
