@@ -22,18 +22,19 @@ from seaglint.facet.sunlight import sunlight
 from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.layers import FEWEST, SPREAD
 from seaglint.imaging.layers import SUN as SUN_CHANNEL
+from seaglint.imaging.scene import Levels
 from seaglint.imaging.sparkle import (
     MOST_CELLS,
     NO_SPARKLE,
     heading,
     piece_variance,
-    relative_variance,
     sparkle_column,
     sparkle_columns,
     sparkle_factor,
     sparkle_of,
     sparkle_rows,
 )
+from seaglint.imaging.sparkle_settings import relative_variance
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import glint_variance, sea_variance
 from seaglint.scenario.load import parse_scenario
@@ -324,21 +325,24 @@ def test_the_kernel_runs_unchanged_on_a_simulated_gpu(jit: str) -> None:
     ("scene", "word"),
     [
         ({}, "gamma field"),
+        ({"sea": {"glint": {"correlation": "time"}}}, "gamma field"),
         ({"render": {"subpixel_glint": "off"}}, "off"),
         ({"sun": {"zenith_deg": 95.0}}, "no mirrored Sun"),
         ({"sea": {"glint": {"cell_m": 1e-4}}}, "left out"),
         ({"sea": {"glint": {"cell_m": 1e-4}}, "render": {"subpixel_glint": "on"}}, "gamma field"),
     ],
-    ids=["default", "off", "night", "fine cells", "fine cells, asked for"],
+    ids=["default", "time", "off", "night", "fine cells", "fine cells, asked for"],
 )
 def test_scenarios_choose_sparkles(scene: dict, word: str) -> None:
     scenario = parse_scenario(scene)
     view = scenario_physics.view(scenario)
-    sparkle, report = scenario_physics.sparkles(scenario).of(view, scenario_physics.camera(scenario))
+    sparkle, report = scenario_physics.sparkles(scenario).of(view, scenario_physics.camera(scenario), Levels.calm())
     assert word in report["subpixel_glint"]
-    assert (sparkle == NO_SPARKLE) == (word != "gamma field")
+    assert (sparkle.cell == 0.0) == (word != "gamma field")
     if word == "gamma field":
-        assert sparkle.cell == scenario_physics.glint_length(scenario) == report["subpixel_glint_cell_m"]
+        by_waves = scenario.sea.glint.correlation == "waves"
+        assert (sparkle.clusters.begins.size > 0) == by_waves == ("subpixel_glint_from" in report)
+        assert by_waves or sparkle.cell == scenario_physics.glint_length(scenario) == report["subpixel_glint_cell_m"]
 
 
 def test_survey_of_an_image_is_the_mean_models() -> None:

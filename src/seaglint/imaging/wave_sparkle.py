@@ -1,13 +1,13 @@
 r"""Tables of sparkles from the waves, by level of detail: variance of a pixel's lit share, fields larger than pixels, and times.
 
-At a level the slopes that are no geometry are Gaussian short waves with the facets' variances and the spectrum's proportions. With ``m(a)``
-the second moment of the lit share of a square of side a, ``1 + v`` (:mod:`seaglint.sea.glitter.lit_share`), and fields of independent cells
-of the sides a, 2a, 4a, ... that are multiplied, the mean of four cells of side a and of all that is smaller must have ``m(2a)``. So the
-fields of sides 2a and more together have
+At a level the slopes that are no geometry are Gaussian short waves with the facets' variances and the spectrum's proportions
+(:mod:`seaglint.sea.glitter.lit_share`). Pixels smaller than these waves share fields of independent cells of the sides a, 2a, 4a, ..., which
+are multiplied. With cells of the variances ``o_j`` two places at a lag (x, y) have the mean product
 
-.. math:: c(2a) = \frac{4 m(2a) - m(a)}{3}
+.. math:: \prod_j [1 + o_j \Lambda(x/a_j) \Lambda(y/a_j)], \qquad \Lambda(t) = \max(0, 1 - |t|)
 
-for cells: 1 where the variance falls as one over the area, and ``m`` where cells of side a differ from their neighbours by nothing.
+and a square the variance that follows. The ``o_j`` are fitted so that squares of all sides have the variance of the closed form; a pixel has
+exactly that of its own size by a field of its own.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from seaglint.base.conventions import FloatArray, view_zenith_of_range, wrap_angle
 from seaglint.facet.facet_tables import facet_slopes
@@ -36,6 +37,10 @@ ARCS: Final = 3  #: Number of arcs of a level at which pixels are computed; loga
 TYPICAL: Final = 1.0  #: Steepness of the facets that mirror the Sun, in deviations: their mean square towards a Sun in the mirror's middle.
 
 LEAST: Final = 1e-12  #: Least correlated area [m2].
+
+SLIGHT: Final = 0.05  #: Share of a pixel's variance below which variances of squares count less in the fit of fields [1].
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)  #: Nodes of the lags in a square: variances are within a per cent.
 
 
 class _Stretch(NamedTuple):
@@ -121,16 +126,54 @@ def _of_pixels(
             for u in range(STEPS):
                 variance = clusters.variance(STEEPNESS_STEP * u, radius, box, turn)
                 area[i, way, u] = math.log(max(variance * box[0] * box[1], LEAST))
-    longest = 2.0 * math.pi / float(clusters.waves.wavenumber[0])
-    shares, times = np.zeros(len(exponents)), np.ones(len(exponents) + 1)
-    coarser = 1.0
-    for j, exponent in enumerate(exponents):
-        side = 2.0**exponent
-        if side > longest or side <= width:
-            continue
-        moments = [1.0 + clusters.variance(TYPICAL, radius, (a, a)) for a in (side, 0.5 * side)]
-        together = max((4.0 * moments[0] - moments[1]) / 3.0, coarser)
-        shares[j], coarser = together / coarser - 1.0, together
-        times[j] = clusters.correlation_time(TYPICAL, radius, (side, side))
+    sides, longest = 2.0 ** np.array(exponents, np.float64), 2.0 * math.pi / float(clusters.waves.wavenumber[0])
+    used = np.flatnonzero((sides <= longest) & (sides > width))
+    shares, times = np.zeros(sides.size), np.ones(sides.size + 1)
+    if used.size:
+        boxes_of = np.append(sides[used], width)
+        targets = np.array([clusters.variance(TYPICAL, radius, (side, side)) for side in boxes_of])
+        shares[used] = fields(sides[used], width, targets)
+        for j in used:
+            times[j] = clusters.correlation_time(TYPICAL, radius, (float(sides[j]), float(sides[j])))
     times[-1] = clusters.correlation_time(TYPICAL, radius, boxes[len(boxes) // 2])
     return area, shares, times
+
+
+def fields(sides: FloatArray, width: float, targets: FloatArray) -> FloatArray:
+    """Variances of fields of cells of these sides whose product has stated variances in squares.
+
+    Parameters
+    ----------
+    sides : ndarray
+        Sides of the cells [m, (n,)].
+    width : float
+        Side of a pixel [m]; below it pixels have a field of their own.
+    targets : ndarray
+        Relative variance in squares of these sides, and of the pixel [1, (n + 1,)].
+
+    Returns
+    -------
+    ndarray
+        Variance of a cell of each field [1, (n,)].
+    """
+    boxes = np.append(sides, width)
+    lag, weight = (NODES + 1.0) / 2.0, WEIGHTS / 2.0
+    pairs = boxes[:, None] * lag
+    kernel = np.outer(2.0 * (1.0 - lag) * weight, 2.0 * (1.0 - lag) * weight)
+    # overlap of cells at the lags of each box, along one axis (boxes, fields, lags)
+    overlap = np.clip(1.0 - pairs[:, None, :] / sides[:, None], 0.0, None)
+    both = overlap[:, :, :, None] * overlap[:, :, None, :]
+
+    def variances(shares: FloatArray) -> FloatArray:
+        coarse = np.sum(kernel * np.prod(1.0 + shares[:, None, None] * both, axis=1), axis=(1, 2))
+        # the pixel's own field has what is left of its variance, independent of its neighbours'
+        own = max(1.0 + targets[-1] - coarse[-1], 0.0)
+        return np.asarray(coarse - 1.0 + own * (width / boxes) ** 2)
+
+    def misfit(logs: FloatArray) -> FloatArray:
+        # squares larger than the waves have less variance than any field of independent cells: they count less
+        return np.asarray((variances(np.exp(logs)) - targets) / (targets + SLIGHT * targets[-1]))
+
+    start = np.log(np.clip(np.diff(targets), 1e-4, 0.9))
+    result = least_squares(misfit, start, bounds=(math.log(1e-6), math.log(10.0)), xtol=1e-3, ftol=1e-3, max_nfev=40)
+    return np.asarray(np.exp(result.x))

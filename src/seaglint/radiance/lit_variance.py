@@ -1,7 +1,7 @@
 r"""Variance of glint in a pixel from the waves that are no geometry (:mod:`seaglint.sea.glitter.lit_share`).
 
 The lit share of a pixel of the sides a, b on the sea has the relative variance ``v = K/(a b)``, with K by the steepness of the mirroring
-slope, in deviations of all slopes, and by the sides. Where facets hide others, ``a b`` is the part of the footprint that is in view. Waves longer than geometry's cut move the mean of a pixel and are no part of the
+slope, in deviations of all slopes, and by the sides. Waves longer than geometry's cut move the mean of a pixel and are no part of the
 variance; they tilt the sea under the short ones. The cut is the shortest wave of the scenario, or two pixels where these are longer, as in
 images.
 """
@@ -79,7 +79,7 @@ class WaveGlint:
         slant_range: ArrayLike,
         solid_angle: ArrayLike,
     ) -> FloatArray:
-        r"""Relative variance of the mirrored Sun in square pixels, ``v = K A_+/(Omega r^2)`` [1].
+        r"""Relative variance of the mirrored Sun in square pixels, ``v = K A+/(Omega r^2)`` with Smith's projected area ``A+`` [1].
 
         Parameters
         ----------
@@ -97,9 +97,8 @@ class WaveGlint:
 
         Notes
         -----
-        The mirroring slope counts by its size alone: variances along and across the wind differ by a factor of two at most. So does the
-        visible projected area ``A_+`` per area of sea, which is more than ``cos(theta_v)`` where facets hide others: of the footprint
-        ``Omega r^2/cos(theta_v)`` the area ``Omega r^2/A_+`` is in view, as in images.
+        The mirroring slope counts by its size alone, and hiding by Smith's law: variances along and across the wind differ by a factor of
+        two at most.
         """
         _, zenith = visible_sun(solar_zenith)
         cosine = np.maximum(np.asarray(cos_incidence, np.float64), 1e-9)
@@ -118,9 +117,9 @@ class WaveGlint:
             np.clip(np.log(x), np.log(size[0]), np.log(size[-1])) for x, size in zip((width, length / width, spread), sizes, strict=True)
         ]
         points = np.stack([*inside, np.clip(steepness, 0.0, STEEPEST) ** 2], axis=-1)
-        # the table has the variance times the footprint; of the footprint only a part is in view
-        hidden = np.maximum(projected_area(np.asarray(view_zenith, np.float64), 0.5 * slopes.mss) / upward, 1.0)
-        return np.asarray(hidden * np.exp(table(points.reshape(-1, 4))).reshape(steepness.shape) / (width * length))
+        # the sea that is seen in a pixel is the less the more of it is hidden
+        seen = projected_area(np.asarray(view_zenith, np.float64), 0.5 * slopes.mss)
+        return np.asarray(np.exp(table(points.reshape(-1, 4))).reshape(steepness.shape) * seen / width**2)
 
 
 def _nodes(values: FloatArray, most: int = _SIZES) -> FloatArray:

@@ -1,0 +1,158 @@
+"""Sparkle from the waves: pixels have the variance and time of the closed form at any size, and finer pixels averaged down agree."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import seaglint as sg
+from seaglint.base.errors import ScenarioError
+from seaglint.base.jit import njit
+from seaglint.imaging.sparkle import NO_CLUSTERS, Heading, clustered_factor, heading, kept_share, sparkle_of
+from seaglint.imaging.wave_sparkle import _of_pixels
+from seaglint.scenario.load import parse_scenario
+from seaglint.sea.glitter.lit_share import Clusters
+from seaglint.sea.glitter.short_waves import ShortWaves
+from seaglint.sea.spectra import ElfouhailySpectrum
+
+SUN = 2.3e-3
+TIMES = 0.2
+
+
+def sparkle(shares, top, *, seed=1, times=TIMES):
+    """Parameters of one stretch with fields of these variances, largest first."""
+    row = np.array([shares], np.float64)
+    table = NO_CLUSTERS._replace(begins=np.zeros(1), shares=row, times=np.full((1, row.size + 1), times), top=top)
+    return sparkle_of(seed, 1.0, 1.0)._replace(clusters=table)
+
+
+@njit
+def fill_scattered(one, footprint, variance, time, out):
+    for i in range(out.shape[0]):
+        out[i] = clustered_factor(one, (i * 73.713, i * 41.317), heading(i * 0.01), footprint, variance, 0, time)
+
+
+@njit
+def fill_ground(one, way, footprint, variance, time, out):
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            x, y = (i + 0.5) * footprint[0], (j + 0.5) * footprint[1]
+            place = (311.3 + x * way.sine + y * way.cosine, 1207.7 + x * way.cosine - y * way.sine)
+            out[i, j] = clustered_factor(one, place, way, footprint, variance, 0, time)
+
+
+@pytest.mark.parametrize("variance", [0.01, 0.5, 3.0])
+@pytest.mark.parametrize("footprint", [(0.1, 0.1), (5.0, 0.1), (0.3, 2.0), (30.0, 0.7), (8.0, 8.0)])
+@pytest.mark.parametrize("shares", [(), (0.3,), (0.1, 0.2, 0.4)])
+def test_mean_and_variance_of_pixels(variance: float, footprint: tuple[float, float], shares: tuple[float, ...]) -> None:
+    out = np.empty(60_000)
+    fill_scattered(sparkle(shares, 2), footprint, variance, 0.4, out)
+    # four standard errors of a product of gamma deviates; a row of cells as one has half a cell's variance too much at its ends
+    kurtosis = 3.0 + 12.0 * variance
+    assert out.mean() == pytest.approx(1.0, abs=4.0 * math.sqrt(variance / out.size))
+    assert out.var() == pytest.approx(variance, rel=4.0 * math.sqrt(kurtosis / out.size) * (1.0 + variance) + 0.04)
+    assert out.min() >= 0.0
+
+
+@pytest.mark.parametrize("cells", [0.2, 0.7, 1.0, 1.6, 5.0])
+def test_kept_share(cells: float) -> None:
+    """Mean over a length at a random place of a row of independent cells."""
+    rng = np.random.default_rng(4)
+    values = np.concatenate([[0.0], np.cumsum(rng.standard_normal(400_000))])
+    start = np.sort(rng.random(200_000) * 399_000)
+    at = [np.interp(start + end, np.arange(values.size), values) for end in (0.0, cells)]
+    assert kept_share(cells, 1.0) == pytest.approx(float(np.var((at[1] - at[0]) / cells)), rel=0.03)
+
+
+@pytest.mark.parametrize("lag", [0.05, 0.2, 0.5])
+def test_time(lag: float) -> None:
+    one, then = np.empty(40_000), np.empty(40_000)
+    for time, out in ((3.0, one), (3.0 + lag, then)):
+        fill_scattered(sparkle((0.2,), 2), (0.5, 0.5), 0.4, time, out)
+    # of a product of fields with one time the correlation is less by the product of both
+    expected = math.exp(-lag / TIMES)
+    assert float(np.corrcoef(one, then)[0, 1]) == pytest.approx(expected, abs=0.04)
+
+
+@pytest.mark.parametrize("cut", [3.0, 12.0])
+@pytest.mark.parametrize("azimuth", [0.0, 0.7])
+def test_finer_pixels_averaged_down(cut: float, azimuth: float) -> None:
+    """Squares of ever more fine pixels have the variance of the closed form at their own size, over two decades of area."""
+    clusters = Clusters(ShortWaves.of_spectrum(ElfouhailySpectrum(7.0), cut))
+    fine, n = 0.35 / cut, 512
+    top = math.floor(math.log2(2.0 * math.pi / cut))
+    exponents = tuple(range(top, top - 8, -1))
+    area, shares, times = _of_pixels(clusters, ((fine, fine), (fine, fine), (fine, fine)), SUN, exponents, fine)
+    variance = clusters.variance(1.0, SUN, (fine, fine))
+    # the table holds the same number: its steepness 1 is node 2
+    assert math.exp(area[0, :, 2].mean()) / fine**2 == pytest.approx(variance, rel=0.05)
+    assert np.all(times > 0.0)
+    ratios = {1: [], 2: [], 4: [], 8: [], 16: []}
+    for seed in range(8):
+        out = np.empty((n, n))
+        fill_ground(sparkle(tuple(shares), top, seed=seed), heading(azimuth), (fine, fine), variance, 0.4, out)
+        for size, found in ratios.items():
+            found.append(out.reshape(n // size, size, n // size, size).mean((1, 3)).var())
+    for size, found in ratios.items():
+        expected = clusters.variance(1.0, SUN, (size * fine, size * fine))
+        # beyond half a wave the closed form falls faster than one over the area, which no field of independent cells does
+        if size * fine < math.pi / cut:
+            assert np.mean(found) == pytest.approx(expected, rel=0.15), size
+
+
+def test_a_pixel_is_a_function_of_seed_place_and_time() -> None:
+    way = Heading(*heading(0.3))
+    whole, again, other = (np.empty((20, 20)) for _ in range(3))
+    fill_ground(sparkle((0.2, 0.1), 1), way, (0.4, 0.4), 0.9, 1.0, whole)
+    fill_ground(sparkle((0.2, 0.1), 1), way, (0.4, 0.4), 0.9, 1.0, again)
+    fill_ground(sparkle((0.2, 0.1), 1, seed=2), way, (0.4, 0.4), 0.9, 1.0, other)
+    np.testing.assert_array_equal(whole, again)
+    assert np.all(whole != other)
+
+
+BASE = {"sensor": {"pixels": [48, 32], "fov_deg": [3.0, 2.0], "elevation_deg": -4.0, "frames": 1}, "wind": {"speed_m_s": 6.0}}
+
+
+@pytest.mark.parametrize(
+    ("given", "kind"),
+    [
+        ({}, "waves"),
+        ({"correlation_time_s": 0.07}, "time"),
+        ({"dispersion": "article"}, "time"),
+        ({"cell_m": 0.01}, "time"),
+        ({"correlation": "waves", "correlation_time_s": 0.07}, "waves"),
+    ],
+)
+def test_scenarios_that_state_a_time_keep_their_cells(given: dict, kind: str) -> None:
+    scenario = parse_scenario(BASE | {"sea": {"glint": given}})
+    assert scenario.sea.glint.correlation == kind
+    assert parse_scenario(scenario.model_dump(mode="json", exclude_none=True)).sea.glint == scenario.sea.glint
+
+
+@pytest.mark.parametrize("key", [{"correlation_time_s": 0.3}, {"dispersion": "article"}, {"cell_m": 0.01}])
+def test_both_are_refused(key: dict) -> None:
+    with pytest.raises(ScenarioError, match="is for correlation = 'time'; leave one of them out"):
+        parse_scenario({"sea": {"glint": {"correlation": "waves"} | key}})
+
+
+def test_images_have_the_variance_of_the_waves() -> None:
+    """Seeds of the sparkle alone: the variance of pixels over their mean squared is the table's, within its errors."""
+    scenario = parse_scenario(
+        BASE | {"atmosphere": {"source": "none"}, "render": {"subpixel_glint": "on"}, "sea": {"resolve_waves": False}}
+    )
+    pictures = []
+    for seed in range(60):
+        one = scenario.model_copy(update={"seed": seed})
+        pictures.append(sg.image(one, layers=["glint_radiance"]).glint_radiance)
+    sun = np.array(pictures, np.float64)
+    mean = sg.image(
+        scenario.model_copy(update={"render": scenario.render.model_copy(update={"subpixel_glint": "off"})}), layers=["glint_radiance"]
+    )
+    np.testing.assert_allclose(sun.mean(), np.mean(mean.glint_radiance), rtol=0.05)
+    found = float(np.mean(sun.var(axis=0, ddof=1)) / np.mean(np.asarray(mean.glint_radiance) ** 2))
+    by_mean = sg.mean(scenario)
+    expected = float(np.mean(np.asarray(by_mean.glint_std) ** 2) / np.mean(np.asarray(by_mean.glint_radiance) ** 2))
+    # the mean map counts the steepness of the mirroring slope by its size, and leaves the facets' own shadowing out
+    assert found == pytest.approx(expected, rel=0.35)
