@@ -226,7 +226,7 @@ def _warn_of_few_slopes(mss: float, speed: float, measured: bool) -> None:
             mss,
             speed,
             expected,
-            "set sea.spectrum.shorter_waves = 'elfouhaily', or check the units of the file"
+            "its key shorter_waves continues it with Elfouhaily's spectrum; check the units of a file"
             if measured
             else "set sea.slopes.kind = 'cox-munk-anisotropic'",
         )
