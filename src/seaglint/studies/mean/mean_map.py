@@ -188,7 +188,7 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
             scenario.seed,
             mean_mode=scenario.mean.mode,
             mean_shadowing=view.shadowing.word,
-            glint_correlation_length_m=length,
+            **_correlation(length),
             mss_up=view.slopes.mss_up,
             mss_cross=view.slopes.mss_cross,
             **scenario_physics.light_attributes(scenario),
