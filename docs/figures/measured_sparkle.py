@@ -366,7 +366,9 @@ def field_picture(rows: list[dict[str, str]]) -> Figure:
             axes.plot(side, values(rows, window, f"{name}, drawn")[VARIANCES], "x", color=colour)
         axes.plot(side, values(rows, window, "cells of 2.6 mm")[VARIANCES], color="tab:red", ls="--", label="cells of 2.6 mm (70 ms)")
         axes.set(xscale="log", yscale="log", xlabel="side of the square [mm]", title=f"slopes within {window} mrad")
-        axes.grid(alpha=0.3, which="both")
+        axes.set_xticks([3.0, 10.0, 30.0, 80.0], ["3", "10", "30", "80"])
+        axes.minorticks_off()
+        axes.grid(alpha=0.3)
     figure.axes[0].set_ylabel("variance of the lit share / mean² [1]")
     figure.axes[0].legend(fontsize=7, title="x: drawn", title_fontsize=7)
     return figure

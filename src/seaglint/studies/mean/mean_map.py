@@ -227,6 +227,11 @@ def _wave_file(scenario: Scenario) -> dict[str, str | int]:
     return {**source, "measured_waves_used": int(used)}
 
 
+def _correlation(correlation: float | WaveGlint) -> dict[str, str | float]:
+    """Return the length of the sea's cells [m], or the name of what replaces it."""
+    return {"glint_correlation": "waves"} if isinstance(correlation, WaveGlint) else {"glint_correlation_length_m": correlation}
+
+
 def _of_rows(
     scenario: Scenario, camera: Camera, view: SeaView, length: float | WaveGlint, progress: Progress | None
 ) -> dict[str, FloatArray]:
