@@ -105,7 +105,7 @@ def main(frames: str = "4") -> None:
 
 
 def write_table1(rows: dict[str, ArticleRow]) -> None:
-    """Put Table 1 between its markers, the article's number / as rendered / through the detector, what other blurs make of it, and sparkles by waves."""
+    """Put Table 1 between its markers: the article's number / as rendered / through the detector, other blurs, and sparkle by waves."""
 
     def all_of(key: str, style: str, heads: tuple[str, ...] = ("article", "as rendered", "detector")) -> str:
         numbers = rows[key].numbers

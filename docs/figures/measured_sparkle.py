@@ -85,7 +85,7 @@ def averages(lit: FloatArray, side: int) -> FloatArray:
 
 
 def products(lit: FloatArray, block: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Sums by block (rows, columns): of points, of squared averages (..., sides), and mean products at lags along both axes (..., 2, lags)."""
+    """Means by block (rows, columns): of points, of squared averages (..., sides), of products at lags along both axes (..., 2, lags)."""
     shares = averages(lit, block)
     squares = np.stack([averages(averages(lit, side) ** 2, block // side) for side in SIDES], axis=-1)
     n = lit.shape[0] // block
@@ -140,8 +140,7 @@ def of_measured(radius: float) -> tuple[Lit, FloatArray]:
     count = (POINTS // BLOCK) ** 2
     flat = [part.reshape(count, *part.shape[2:]) for part in blocks]
     rng = stream(SEED, "bootstrap")
-    again = [summary(*(part[rng.integers(0, count, count)] for part in flat)) for _ in range(1)]
-    again = []
+    again: list[FloatArray] = []
     for _ in range(RESAMPLED):
         chosen = rng.integers(0, count, count)
         again.append(summary(*(part[chosen] for part in flat)).values)
@@ -221,7 +220,7 @@ def own_covariance() -> FloatArray:
 
 
 def of_waves(spectrum: DirectionalSpectrum) -> FloatArray:
-    """Covariance of the slopes of the waves of a lattice at all lags up to its side, towards the east first; the spectrum's waves go east."""
+    """Covariance of the slopes of the waves of a lattice at lags up to its side, the lag towards the east first; waves go east."""
     # the longest waves of a lattice are few: the continuous ones begin where both have the same slopes
     k = 2.0 * np.pi * np.fft.fftfreq(POINTS, STEP)
     east, north = np.meshgrid(k, k, indexing="ij")
@@ -343,12 +342,15 @@ def field_table(rows: list[dict[str, str]]) -> Iterator[str]:
                 (row["window_mrad"], row["what"], row["kind"]) == (str(window), what, "error") for row in rows
             ) else None  # fmt: skip
             texts = [cell(line[i], None if errors is None else errors[i]) for i in range(line.size)]
-            body.append((f"{window} mrad, {what}", *texts[: 1 + len(SIDES)], " / ".join(f"{v:.2g}" for v in line[-2:])))
+            # of drawn fields the errors of lengths are below the digits
+            lengths = texts[-2:] if what == "measured" else [f"{value:.2g}" for value in line[-2:]]
+            body.append((f"{window} mrad, {what}", *texts[: 1 + len(SIDES)], " / ".join(lengths)))
     head = ("window, what", "share", *(f"{side} points" for side in SIDES), "length [mm]")
     yield from table(head, body)
     yield ""
     by = {what: apart(rows, what) for what in LINES[1:]}
-    yield "Mean absolute logarithm of the ratio of variances to the measured ones: " + "; ".join(f"{k} {v:.2f}" for k, v in by.items()) + "."
+    logs = "; ".join(f"{what} {value:.2f}" for what, value in by.items())
+    yield f"Mean absolute logarithm of the ratio of variances to the measured ones: {logs}."
     difference, where = worst(rows)
     yield f"Largest difference of the closed form to drawn fields: {100 * difference:+.1f} % ({where})."
 
@@ -459,7 +461,7 @@ def mean_slope_rows() -> Iterator[dict[str, Any]]:
         yield row(what, math.nan, "value", rms_and_time(part, step))
         rms = [np.concatenate([part[s : s + SERIES_BLOCK] for s in line]).std(0) for line in starts]
         yield row(what, math.nan, "error", np.array([*np.std(rms, axis=0), math.nan, math.nan]))
-    times = step * np.arange(4096)
+    times = step * np.arange(4096, dtype=np.float64)
     for wind in campaign_winds("asit-2019"):
         waves = ShortWaves.of_spectrum(campaign_spectrum("asit-2019", float(wind), 0.0), 0.0)
         for scale in SCALES:

@@ -50,7 +50,9 @@ MORE = {0.25: 1, 0.5: 1, 1.0: 2, 2.0: 3, 4.0: 5}  # times as many frames
 def scenario(scale: float, sparkle: str) -> Scenario:
     """Scene with pixels of a multiple of the default ones."""
     pixels = [round(size / scale) for size in PIXELS]
-    glint: dict[str, Any] = {"correlation": "time", "correlation_time_s": CORRELATION_TIME} if sparkle == "time" else {"correlation": "waves"}
+    glint: dict[str, Any] = (
+        {"correlation": "time", "correlation_time_s": CORRELATION_TIME} if sparkle == "time" else {"correlation": "waves"}
+    )
     return parse_scenario(
         {
             "sensor": {"fov_deg": FOV_DEG, "pixels": pixels},

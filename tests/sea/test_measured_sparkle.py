@@ -38,7 +38,9 @@ def test_closed_form_agrees_with_drawn_fields(model: str, window: int) -> None:
     closed, drawn = (shares(f"{model}, {how}", window) for how in ("closed form", "drawn"))
     np.testing.assert_allclose(closed[made.VARIANCES], drawn[made.VARIANCES], rtol=0.10)
     assert closed[0] == pytest.approx(drawn[0], rel=0.03)  # shares; errors of 0.6 to 2 %
-    np.testing.assert_allclose(closed[-2:], drawn[-2:], rtol=0.14)  # correlation lengths; a disc that is as wide as the slopes is no Gaussian
+    np.testing.assert_allclose(
+        closed[-2:], drawn[-2:], rtol=0.14
+    )  # correlation lengths; a disc that is as wide as the slopes is no Gaussian
 
 
 @pytest.mark.parametrize("window", WINDOWS)

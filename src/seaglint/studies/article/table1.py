@@ -243,7 +243,7 @@ class Table1:
         return out
 
     def columns(self) -> dict[str, FloatArray]:
-        """Return the rows as columns of a CSV file, one row for each threshold: as rendered, through the detector, with other blurs, by waves."""
+        """Return columns of a CSV file, one row for each threshold: as rendered, through the detector, with other blurs, by waves."""
         thresholds = sorted(ARTICLE["glint"])
         alarms, sensed = _alarms(self.analysis), _alarms(self.through_detector)
         keys = ("rate", "rate_low", "rate_high", "ratio", "correlation_time_s")
