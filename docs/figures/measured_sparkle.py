@@ -331,7 +331,7 @@ def field_table(rows: list[dict[str, str]]) -> Iterator[str]:
     """The table of the page and two sentences."""
 
     def cell(value: float, error: float | None) -> str:
-        return f"{value:.3g}" if error is None else f"{value:.3g} ± {error:.1g}"
+        return f"{value:.3g}" if error is None else f"{value:.3g} ± {error:.1g}" if error < 1.0 else f"{value:.3g} ± {error:.0f}"
 
     body = []
     for radius in RADII:
