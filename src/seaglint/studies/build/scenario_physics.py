@@ -187,7 +187,8 @@ def breaking_crests(scenario: Scenario) -> BreakingCrests | None:
 def glint_correlation(scenario: Scenario) -> float | WaveGlint:
     """Return the correlation length of glint on the sea [m], or the waves from which its fluctuation follows."""
     glint, cut = scenario.sea.glint, scenario.sea.shortest_wave_m
-    if glint.correlation == "time":
+    # the article's mode has its own cells
+    if glint.correlation == "time" or scenario.mean.mode == "article":
         return glint_length(scenario)
     return WaveGlint(waves(scenario).spectrum, cut if scenario.sea.resolve_waves else math.inf)
 
