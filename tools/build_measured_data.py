@@ -1,9 +1,10 @@
-"""Measurements and outputs of other models that ``seaglint reproduce measured`` compares with, cut down to what it needs.
+"""Measurements and outputs of other models that ``seaglint reproduce measured`` compares with, cut down to what it needs; measured seas.
 
     python tools/build_measured_data.py REFERENCE
 
 ``REFERENCE`` is a folder with ``measured_air``, ``modern_air`` and ``measured_sea``, whose files are named below. The tables go to
-``src/seaglint/studies/data``, each with its source, terms and processing in the lines before it; run ``tools/write_checksums.py`` then.
+``src/seaglint/studies/data``, those of the measured seas to ``src/seaglint/sea/data``, each with its source, terms and processing in the
+lines before it; run ``tools/write_checksums.py`` then.
 
 Spectra are averaged with a triangle of 20 cm-1 full width at half maximum every 5 cm-1, as LOWTRAN7's band models were made.
 """
@@ -21,7 +22,9 @@ from seaglint.base.conventions import FloatArray
 from seaglint.optics.band import triangular_average
 from seaglint.sea.dispersion import wavenumber
 
-OUT = Path(__file__).resolve().parents[1] / "src" / "seaglint" / "studies" / "data"
+PACKAGE = Path(__file__).resolve().parents[1] / "src" / "seaglint"
+
+OUT = PACKAGE / "studies" / "data"
 
 TRIANGLE = "averaged with a triangle of 20 cm-1 full width at half maximum, every 5 cm-1"
 
@@ -30,6 +33,7 @@ SSEC = "public web page of the Space Science and Engineering Center, University 
 NASA = "NASA, public domain. The repository has no licence file"
 MIT = "MIT licence of pyradi"
 BSD = "numbers computed here from the k-distributions of RTE+RRTMGP (BSD-3; LBLRTM, HITRAN, MT_CKD)"
+SEAS = "numbers reduced from files that the authors published; the repository has no licence file: cite them"
 CDIP = "CDIP: may be redistributed and used without restriction"
 
 PATHS, UPPER = 60, 40
@@ -44,6 +48,9 @@ SEGMENT = 512
 DECLINATION_DEG = 11.7
 """Magnetic north of the buoy in 2022, east of true north [deg]; its displacements are along magnetic axes, its spectra along true ones."""
 
+WIND_CLASSES = ((0.0, 3.0), (4.0, 6.0), (6.0, 8.0), (8.0, 10.0))
+"""Winds of the classes in which records of RaDyO are taken together [m/s]."""
+
 SEA_BANDS = (0.05, 0.07, 0.085, 0.1, 0.12, 0.15, 0.19, 0.25, 0.35, 0.58)
 """Edges of the bands in which the buoy's waves are compared [Hz]."""
 
@@ -56,12 +63,14 @@ def columns(path: Path) -> dict[str, FloatArray]:
     return dict(zip(names, rows.T, strict=True))
 
 
-def write(name: str, inputs: tuple[Path, ...], source: str, terms: str, processing: str, held: dict[str, FloatArray]) -> None:
+def write(
+    name: str, inputs: tuple[Path, ...], source: str, terms: str, processing: str, held: dict[str, FloatArray], out: Path = OUT
+) -> None:
     """Write a table behind the lines that say where it is from."""
     digests = ", ".join(f"{path.name} sha256 {hashlib.sha256(path.read_bytes()).hexdigest()[:16]}" for path in inputs)
     head = [f"# source: {source}", f"# terms: {terms}", f"# processing: {processing}", f"# made from: {digests}", ",".join(held)]
     lines = [",".join(f"{value:.6g}" for value in row) for row in zip(*(values.tolist() for values in held.values()), strict=True)]
-    (OUT / name).write_text("\n".join([*head, *lines]) + "\n", encoding="utf-8")
+    (out / name).write_text("\n".join([*head, *lines]) + "\n", encoding="utf-8")
 
 
 def spectra(folder: Path) -> None:
@@ -175,6 +184,53 @@ def sea(folder: Path) -> None:
     write("measured_cdip_bands.csv", (moved_path,), source, CDIP, processing, bands)
 
 
+def campaigns(folder: Path) -> None:
+    """Write the saturation of the Air-Sea Interaction Tower by wind, and medians of RaDyO's slope variances in classes of wind."""
+    out = PACKAGE / "sea" / "data"
+    out.mkdir(exist_ok=True)
+    caveat = (
+        "the authors state that the method underresolves short waves and that slopes need a gain of 1.2 to 1.7 (none is applied); runs of "
+        "one wind differ by factors; the two campaigns differ by eight to nineteen times below 2 cm at one wind"
+    )
+    path = folder / "asit_saturation.csv"
+    held = columns(path)
+    names = {"wind_speed_10m_m_s": "wind_speed_m_s", "wavenumber_rad_m": "wavenumber_rad_m", "saturation_omnidirectional": "saturation"}
+    write(
+        "asit_2019.csv",
+        (path,),
+        "Air-Sea Interaction Tower off Martha's Vineyard, autumn 2019, polarimetric camera and lidar: JGRO_LIU25_Data_Compiled.mat, "
+        "MV09_stress_PyxisRuns_struc, of the repository unh-cassll/wind-wave-directionality-paper; method of Laxague et al. 2025, IEEE "
+        "Trans. Geosci. Remote Sens., doi 10.1109/TGRS.2025.3538460",
+        SEAS,
+        "mean over 96 steps of equal ratio in wavenumber; the row at 2.69 m/s, with more slope variance than the next one, is kept as "
+        f"measured; runs in light winds hold swell and old waves; the rows at 15.7 and 17.6 m/s begin at 2.25 rad/m; {caveat}",
+        {new: held[old] for old, new in names.items()},
+        out,
+    )
+    path = folder / "radyo_slope_variance_bands.csv"
+    held = columns(path)
+    bands = [(name, *(float(edge) for edge in name.split("_")[1:3])) for name in held if name.startswith("mss_")]
+    rows = []
+    for low_wind, high_wind in WIND_CLASSES:
+        wind = held["wind_speed_10m_m_s"]
+        chosen = (wind >= low_wind) & (wind < high_wind) & np.isfinite(held["mss_20_50_rad_m"])
+        for name, low, high in bands:
+            if low >= 20.0:  # none of the records has a longer band
+                rows.append((float(wind[chosen].mean().round(2)), low, high, np.median(held[name][chosen]), chosen.sum()))
+    write(
+        "radyo_2008.csv",
+        (path,),
+        "RaDyO, Santa Barbara Channel, 2008: RaDyO_2008_omnidirectional_slope_spectra.mat and RaDyO_wind_speed_stress.mat of the "
+        "repository unh-cassll/polarimetry-subpixel-variability; Laxague et al. 2025, IEEE Trans. Geosci. Remote Sens., "
+        "doi 10.1109/TGRS.2025.3538460",
+        SEAS,
+        "median of the records in classes of wind (below 3, 4-6, 6-8 and 8-10 m/s) at the mean wind of the class; the last class is one "
+        f"record; the records in light winds hold old waves; {caveat}",
+        dict(zip(("wind_speed_m_s", "min_rad_m", "max_rad_m", "slope_variance", "records"), np.array(rows).T, strict=True)),
+        out,
+    )
+
+
 def buoy_bands(x: FloatArray, y: FloatArray, z: FloatArray) -> dict[str, FloatArray]:
     """Energy, its standard error, slope variance and the direction that waves come from in :data:`SEA_BANDS`."""
     starts = np.arange(0, z.size - SEGMENT + 1, SEGMENT // 2)
@@ -213,6 +269,7 @@ def main() -> None:
     modtran(reference / "measured_air")
     rrtmgp(reference / "modern_air")
     sea(reference / "measured_sea")
+    campaigns(reference / "measured_sea")
 
 
 if __name__ == "__main__":

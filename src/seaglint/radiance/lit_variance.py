@@ -183,4 +183,4 @@ def _node(glint: WaveGlint, slopes: SlopeStatistics, width: int, ratio: int, dis
     size, shape, radius = (10.0 ** (number / per) for number, per in zip((width, ratio, disc), _PER_DECADE, strict=True))
     clusters = _clusters(glint, slopes, 2.0 * math.pi / max(min(glint.shortest_wave, _LONGEST), COLUMNS * size))
     ways = [[clusters.variance(float(u), radius, (shape * size, size), turn) for u in _STEEPNESS] for turn in (0.0, 0.5 * math.pi)]
-    return np.log(np.maximum(np.mean(ways, axis=0) * shape * size**2, 1e-30))
+    return np.asarray(np.log(np.maximum(np.mean(ways, axis=0) * shape * size**2, 1e-30)))

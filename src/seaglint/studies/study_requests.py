@@ -292,6 +292,19 @@ class MeanRequest:
 
 
 @dataclass(frozen=True)
+class SlopesRequest:
+    """Request to list the slope variances of a scenario's sea by bands of the wavenumber."""
+
+    scenario: Annotated[
+        Path, Parameter("scenario file; 'seaglint init my.toml' writes one", metavar="SCENARIO.toml", python="See :func:`sg.load`.")
+    ]
+    bands: Annotated[tuple[float, ...], Parameter("edges of the bands in rad/m, ascending", form="numbers", metavar="K,K,...")] = (
+        *(1.0, 5.0, 10.0, 20.0),
+        *(50.0, 100.0, 300.0, 1000.0),
+    )
+
+
+@dataclass(frozen=True)
 class EvaluationRequest:
     """Request to evaluate a table of cases row by row."""
 

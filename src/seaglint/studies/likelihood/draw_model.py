@@ -49,7 +49,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.moon import moon_position
 from seaglint.scenario.records.atmosphere_table import TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
-from seaglint.scenario.records.sea_tables import FlatSlopes, SpectrumSlopes
+from seaglint.scenario.records.sea_tables import FlatSlopes, MeasuredWaves, SpectrumSlopes
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.foam.coverage_laws import coverage
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
@@ -437,9 +437,11 @@ def _strongest(scenario: Scenario) -> float:
     law = scenario.sea.slopes
     if isinstance(law, SpectrumSlopes | FlatSlopes):
         if isinstance(law, SpectrumSlopes) and scenario.sea.spectrum.kind not in ("elfouhaily", "pierson-moskowitz", "jonswap"):
+            measured = isinstance(scenario.sea.spectrum, MeasuredWaves)
+            why = "its waves are measured at some winds only" if measured else "its waves do not follow the weather's wind"
             raise ScenarioError(
-                f"sea.slopes.kind = 'spectrum' with sea.spectrum.kind = '{scenario.sea.spectrum.kind}': its waves do not follow "
-                "the weather's wind; choose a spectrum that does ('elfouhaily'), or slopes by wind"
+                f"sea.slopes.kind = 'spectrum' with sea.spectrum.kind = '{scenario.sea.spectrum.kind}': {why}; choose a spectrum that "
+                "follows every wind ('elfouhaily'), or slopes by wind (sea.slopes.kind = 'cox-munk-anisotropic')"
             )
         return WIND_PROFILE[1] if isinstance(law, FlatSlopes) else NAVY_AEROSOL_WIND[1]
     return WIND_PROFILE[1] if law.extrapolate else law.winds[1]

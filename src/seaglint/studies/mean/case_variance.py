@@ -81,8 +81,8 @@ class MirroredCases:
         for i in range(_LIGHTS):
             lit = np.flatnonzero(self.radiance[i] > 0.0)
             for key, of_key in groups_of(zip(slopes[lit].tolist(), wind[lit].tolist(), self.radius[i, lit].tolist(), strict=True)):
-                kind, speed, radius = key
-                rows = lit[of_key]
+                assert isinstance(key, tuple)  # one of those of the loop
+                (kind, speed, radius), rows = key, lit[of_key]
                 zenith, slant, solid = (values[rows] for values in seen)
                 share = wave_glint(speed).relative_variance(
                     law(kind, speed), radius, self.cos_incidence[i, rows], zenith, self.sun_up[i, rows], slant, solid
