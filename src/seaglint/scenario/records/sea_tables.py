@@ -238,6 +238,10 @@ class Sea(Record):
     shortest_wave_m: Annotated[
         float, Quantity("m", ge=0.02, le=1000), about("length of the shortest wave that is geometry; shorter ones are facet density")
     ] = 2.0
+    nonlinear: Annotated[
+        Literal["linear", "second-order"],
+        about("heights of the geometry: linear: Gaussian; second-order: with bound waves, sharp crests and flat troughs"),
+    ] = "linear"
     slopes: Annotated[Slopes, about("slope statistics of the whole sea")] = CoxMunkAnisotropic()
     spectrum: Annotated[Spectrum, about("spectrum of the waves that are geometry")] = Elfouhaily()
     glint: Annotated[Glint, about("correlation of glint")] = Glint()
