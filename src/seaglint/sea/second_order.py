@@ -177,7 +177,7 @@ def bound_skewness(spectrum: DirectionalSpectrum, k_max: float = np.inf, *, exac
         # share of pairs by the angle between their waves
         pairs = np.fft.ifft(np.conj(turned[i]) * turned, axis=1).real
         total += energy[i] * float(np.sum(energy[:, None] * pairs * np.add(*weights(k[i], k[:, None], np.cos(angle)))))
-    return 6.0 * total / spectrum.height_variance() ** 1.5
+    return 6.0 * float(total) / spectrum.height_variance() ** 1.5
 
 
 def bound_coefficients(forward: ComplexArray, backward: ComplexArray, step: float, workers: int = 1) -> ComplexArray:
@@ -212,11 +212,13 @@ def bound_coefficients(forward: ComplexArray, backward: ComplexArray, step: floa
     x, y = scipy.fft.ifft2(whole, norm="forward", overwrite_x=True, workers=workers)
     sums, differences = OBLIQUE
     # real parts of n_i n_j of sum and difference pairs; a filter that is even and real may follow the real part
-    products = [((a * b).real, (a * b.conj()).real) for a, b in ((x, x), (y, y), (x, y))]
-    (xx, xx_), (yy, yy_), (xy, xy_) = products
-    level = (1.0 - 0.5 * sums) * (xx + yy) + (0.5 * differences - 1.0) * (xx_ + yy_)
-    twice = sums * (xx - yy) - differences * (xx_ - yy_)
-    cross = sums * xy - differences * xy_
+    a, b, c, d = x.real, x.imag, y.real, y.imag
+    xx, xx_, yy, yy_ = a * a, b * b, c * c, d * d
+    # (a + i b)^2 and |a + i b|^2 differ in the sign of b^2 alone
+    more, less = sums - differences, sums + differences
+    twice = more * (xx - yy) - less * (xx_ - yy_)
+    cross = more * (a * c) - less * (b * d)
+    level = -0.5 * more * (xx + yy) - (2.0 - 0.5 * less) * (xx_ + yy_)
     spectra = scipy.fft.rfft2(0.25 * np.stack([level, 0.5 * twice, cross]), norm="forward", workers=workers)
     rows = np.concatenate([np.arange(2 * top + 1), np.arange(-2 * top, 0)])
     level, twice, cross = spectra[:, rows, : 2 * top + 1]

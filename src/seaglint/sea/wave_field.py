@@ -316,16 +316,11 @@ class WaveField:
 
     def _with_bound(self, i: int, time: float, heights: ComplexArray) -> tuple[tuple[FloatArray, FloatArray], ComplexArray]:
         """Wave vectors and coefficients of a tile's heights with its bound waves, whose wavenumbers are up to twice as large."""
-        tile = self.tiles[i]
+        tile, carried = self.tiles[i], heights.shape[1] - 1
         average = self._averages[i] if self._averages else _Average(self._lattices[i], self._amplitudes[i], ())
         # bound waves, too, have SAMPLES_PER_WAVE lattice points: waves of half that wavenumber are the shortest that have them
         limit = min(self.bound[i], 0.5 * tile.sampled)
-        top, carried = int(np.ceil(limit / tile.step)), heights.shape[1] - 1
-        inner = _rows_and_columns(min(top, carried))
-        lattice, amplitudes = average.lattice, average.amplitudes
-        turn = np.exp(-1j * lattice.frequency[inner] * float(time)) * (np.hypot(lattice.k_east[inner], lattice.k_north[inner]) < limit)
-        turn = turn.astype(np.complex64)
-        second = bound_coefficients(amplitudes.forward[inner] * turn, amplitudes.backward[inner] * turn, tile.step)
+        second = _bound_waves(average.lattice, average.amplitudes, tile.step, limit, float(time))
         widest = max(carried, second.shape[1] - 1)
         out = np.zeros((2 * widest + 1, widest + 1), np.complex64)
         q, p = np.meshgrid(*_lattice_numbers(widest), indexing="ij")
@@ -506,6 +501,15 @@ def _mean_over(line: tuple[float, float], lattice: _Lattice, amplitudes: _Amplit
     waves = replace(lattice, variance=lattice.variance * share**2, opposite=lattice.opposite * share**2)
     cut = share.astype(np.float32)
     return waves, _Amplitudes(amplitudes.forward * cut, amplitudes.backward * cut)
+
+
+@lru_cache(maxsize=4)  # levels of detail that are means of one tile share its bound waves
+def _bound_waves(lattice: _Lattice, amplitudes: _Amplitudes, step: float, limit: float, time: float) -> ComplexArray:
+    """Coefficients at a time [s] of the bound waves of a tile's waves up to a wavenumber [rad m⁻¹]."""
+    inner = _rows_and_columns(min(int(np.ceil(limit / step)), lattice.frequency.shape[1] - 1))
+    below = np.hypot(lattice.k_east[inner], lattice.k_north[inner]) < limit
+    turn = (np.exp(-1j * lattice.frequency[inner] * time) * below).astype(np.complex64)
+    return bound_coefficients(amplitudes.forward[inner] * turn, amplitudes.backward[inner] * turn, step)
 
 
 def _share_over(line: tuple[float, float], east: FloatArray, north: FloatArray) -> FloatArray:
