@@ -105,7 +105,7 @@ def pair_weights(first: ArrayLike, second: ArrayLike, cosine: ArrayLike) -> tupl
 
     Examples
     --------
-    >>> [float(w) for w in pair_weights(3.0, 1.0, 1.0)]
+    >>> [round(float(w), 9) for w in pair_weights(3.0, 1.0, 1.0)]
     [1.0, -0.5]
     """
     a, b, c = np.broadcast_arrays(np.asarray(first, np.float64), np.asarray(second, np.float64), np.asarray(cosine, np.float64))
@@ -138,7 +138,7 @@ def lattice_weights(first: ArrayLike, second: ArrayLike, cosine: ArrayLike) -> t
 def bound_skewness(spectrum: DirectionalSpectrum, k_max: float = np.inf, *, exact: bool = True) -> float:
     """Skewness that bound waves give to the heights of a sea [1].
 
-    ``3 int int 2 (S + D) Psi Psi dk dk' / (int Psi dk)^(3/2)``, the first integral over waves up to ``k_max``, the second over all.
+    ``3 int int 2 (S + D) Psi Psi dk dk' / (int Psi dk)^(3/2)``, the upper integrals over waves up to ``k_max``, the lower one over all.
 
     Parameters
     ----------
@@ -169,15 +169,17 @@ def bound_skewness(spectrum: DirectionalSpectrum, k_max: float = np.inf, *, exac
     k = low * np.exp((np.arange(_STEPS) + 0.5) / _STEPS * ratio)
     energy = spectrum.omnidirectional(k) * k * ratio / _STEPS
     angle = 2.0 * np.pi * np.arange(_ANGLES) / _ANGLES
-    share = spectrum.spreading(k[:, None], angle) * 2.0 * np.pi / _ANGLES
+    share = spectrum.spreading(k[:, None], angle)
+    # directions narrower than the steps of the angle keep their energy
+    share /= share.sum(axis=1, keepdims=True)
     turned = np.fft.fft(share, axis=1)
     weights = pair_weights if exact else lattice_weights
     total = 0.0
     for i in range(_STEPS):
         # share of pairs by the angle between their waves
         pairs = np.fft.ifft(np.conj(turned[i]) * turned, axis=1).real
-        total += energy[i] * float(np.sum(energy[:, None] * pairs * np.add(*weights(k[i], k[:, None], np.cos(angle)))))
-    return 6.0 * float(total) / spectrum.height_variance() ** 1.5
+        total += float(energy[i]) * float(np.sum(energy[:, None] * pairs * np.add(*weights(k[i], k[:, None], np.cos(angle)))))
+    return 6.0 * total / float(spectrum.height_variance() ** 1.5)
 
 
 def bound_coefficients(forward: ComplexArray, backward: ComplexArray, step: float, workers: int = 1) -> ComplexArray:

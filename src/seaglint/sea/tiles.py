@@ -191,8 +191,10 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
     last = shortest_wave * n / SAMPLES_PER_WAVE
     if bound > 0.0:
         # the nudge of the first length lowers the end of its band by up to 6 %
-        first = min(1.06 * bound / k_low, n / (SAMPLES_PER_WAVE * SHORTEST_SPAN), k_top / k_low)
-        while tiles > 1 and first > ratio and (k_top / k_low / first) ** (1.0 / (tiles - 1)) < _NARROWEST_BAND:
+        widest = n / (SAMPLES_PER_WAVE * SHORTEST_SPAN)
+        first = min(1.06 * bound / k_low, widest, k_top / k_low)
+        fewest = 1 if k_top / k_low <= widest else 2
+        while tiles > fewest and first > ratio and (k_top / k_low / first) ** (1.0 / (tiles - 1)) < _NARROWEST_BAND:
             tiles -= 1
         if tiles > 1 and first > ratio:
             ratio = (k_top / k_low / first) ** (1.0 / (tiles - 1))
