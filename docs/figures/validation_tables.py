@@ -28,8 +28,8 @@ from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 from seaglint.sea.second_order import bound_limit, bound_skewness
+from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum

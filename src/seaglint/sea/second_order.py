@@ -28,7 +28,7 @@ within 1.4 % up to 30 deg (JONSWAP; Pierson and Moskowitz and Elfouhaily: 1 %), 
 of the waves the sums are products of the two fields ``sum n a exp(i psi)``.
 
 **Waves that have them.** The expansion is about the mean level and diverges for short waves that long ones displace by more than their
-own length over 2 pi. So only energetic waves are included (:func:`bound_limit`).
+own length over 2 pi. So only energetic waves are included (``bound_limit``).
 
 References
 ----------
@@ -124,7 +124,7 @@ def pair_weights(first: ArrayLike, second: ArrayLike, cosine: ArrayLike) -> tupl
 
 
 def lattice_weights(first: ArrayLike, second: ArrayLike, cosine: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Weights that lattices use instead of :func:`pair_weights` [rad m⁻¹], with the same arguments."""
+    """Weights that lattices use instead of ``pair_weights`` [rad m⁻¹], with the same arguments."""
     a, b, c = np.broadcast_arrays(np.asarray(first, np.float64), np.asarray(second, np.float64), np.asarray(cosine, np.float64))
     oblique = a * b * (1.0 - c * c)
     out = []
@@ -147,7 +147,7 @@ def bound_skewness(spectrum: DirectionalSpectrum, k_max: float = np.inf, *, exac
     k_max : float
         Largest wavenumber of waves that have bound waves [rad m⁻¹].
     exact : bool
-        Use :func:`pair_weights`, or :func:`lattice_weights`.
+        Use ``pair_weights``, or ``lattice_weights``.
 
     Notes
     -----

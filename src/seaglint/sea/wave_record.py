@@ -2,7 +2,7 @@
 
 A record of the duration T has one wave for each multiple of 1/T, with a Gaussian amplitude and a direction drawn from the spreading, and
 for every pair of them the sum and the difference wave with the weights of Longuet-Higgins 1963, as Forristall 2000 simulates crests. No
-lattice is involved: the records check the bound waves of :class:`seaglint.sea.wave_field.WaveField`.
+lattice is involved: the records check the bound waves of ``seaglint.sea.wave_field.WaveField``.
 
 A buoy moves with the water. To second order its height is
 
@@ -17,7 +17,7 @@ are hardly skewed.
 
 References
 ----------
-M. S. Longuet-Higgins 1963 (see :mod:`seaglint.sea.second_order`); G. Z. Forristall, Wave crest distributions: observations and
+M. S. Longuet-Higgins 1963 (see ``seaglint.sea.second_order``); G. Z. Forristall, Wave crest distributions: observations and
 second-order theory, J. Phys. Oceanogr. 30, 1931-1943, 2000; M. A. Srokosz and M. S. Longuet-Higgins, On the skewness of sea-surface
 elevation, J. Fluid Mech. 164, 487-497, 1986.
 """
