@@ -21,6 +21,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.band import triangular_average
 from seaglint.sea.dispersion import wavenumber
+from seaglint.studies.measured.buoy_records import RecordStatistics
 
 PACKAGE = Path(__file__).resolve().parents[1] / "src" / "seaglint"
 
@@ -50,6 +51,11 @@ DECLINATION_DEG = 11.7
 
 WIND_CLASSES = ((0.0, 3.0), (4.0, 6.0), (6.0, 8.0), (8.0, 10.0))
 """Winds of the classes in which records of RaDyO are taken together [m/s]."""
+BLOCKS = 16
+"""Blocks of the buoy's record for standard errors: of 450 s, some fifty waves each."""
+
+CREST_ERROR = 0.08
+"""Standard error of the largest crest over the significant height, which has no blocks: the standard deviation of drawn records."""
 
 SEA_BANDS = (0.05, 0.07, 0.085, 0.1, 0.12, 0.15, 0.19, 0.25, 0.35, 0.58)
 """Edges of the bands in which the buoy's waves are compared [Hz]."""
@@ -182,6 +188,19 @@ def sea(folder: Path) -> None:
     bands = buoy_bands(*(moved[f"{axis}_m"] for axis in "xyz"))
     processing = f"spectra of segments of {SEGMENT} displacements, half of each in the next, summed over bands"
     write("measured_cdip_bands.csv", (moved_path,), source, CDIP, processing, bands)
+    processing = f"statistics of all displacements upwards; errors from {BLOCKS} blocks, the crest's from drawn records"
+    write("measured_cdip_record.csv", (moved_path,), source, CDIP, processing, buoy_record(moved["z_m"]))
+
+
+def buoy_record(z: FloatArray) -> dict[str, FloatArray]:
+    """Return height, skewness, excess kurtosis and largest crest of the displacements, with standard errors."""
+    whole = RecordStatistics.of(z)
+    blocks = np.array([RecordStatistics.of(block) for block in np.split(z, BLOCKS)])
+    errors = blocks.std(axis=0, ddof=1) / np.sqrt(BLOCKS)
+    errors[-1] = CREST_ERROR
+    names = RecordStatistics._fields
+    values = {name: np.array([value]) for name, value in zip(names, whole, strict=True)}
+    return values | {f"{name}_error": np.array([value]) for name, value in zip(names, errors, strict=True)}
 
 
 def campaigns(folder: Path) -> None:

@@ -121,6 +121,13 @@ def sea() -> Pairs:
     return rows("sea", [*spectra(), synthesised(256, 60)])
 
 
+def second_order() -> Pairs:
+    """Skewness and crests of drawn seas with bound waves."""
+    from validation_tables import second_order
+
+    return whole("second-order", second_order())
+
+
 def buoy() -> Pairs:
     """The week of a buoy."""
     from validation_tables import buoy

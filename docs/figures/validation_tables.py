@@ -21,17 +21,22 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.air.lowtran_table import BatchAtmosphere, models
+from seaglint.base.conventions import FloatArray
 from seaglint.facet.emissivity import emissivity
 from seaglint.formats.tables.input_tables import read_cases
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
+from seaglint.sea.second_order import bound_limit, bound_skewness
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.sea.wave_field import WaveField
+from seaglint.sea.wave_record import WaveRecord
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
 from seaglint.studies.measured.measured_numbers import MeasuredRow
@@ -248,6 +253,66 @@ def realisation(field: WaveField, time: float) -> tuple[float, float, float]:
     return height, up, cross
 
 
+def second_order() -> Lines:
+    """Skewness of drawn seas of second order beside the integral over pairs of waves, and crests beside Tayfun's distribution."""
+    seas: dict[str, DirectionalSpectrum] = {
+        "Pierson-Moskowitz, 10 m/s": PiersonMoskowitzSpectrum(10.0),
+        "Elfouhaily, 10 m/s": ElfouhailySpectrum(10.0),
+    }
+    for height, period, spreading in ((1.8, 9.0, 30.0), (7.0, 11.0, 10.0), (7.0, 11.0, 30.0), (7.0, 11.0, 45.0), (7.0, 10.0, 30.0)):
+        name = f"JONSWAP, {height:g} m, {period:g} s, {spreading:g}°"
+        seas[name] = JonswapSpectrum(height, period, 0.0, 3.3, float(np.radians(spreading)))
+    rows, crests = [], []
+    for name, spectrum in seas.items():
+        bound = bound_limit(spectrum)
+        field = WaveField.create(spectrum, plan_tiles(spectrum, 2.0, 256, bound=bound), 0, bound=bound)
+        bound = min(bound, field.tiles[0].k_max)
+        all_pairs, pairs = bound_skewness(spectrum), bound_skewness(spectrum, bound)
+        found = np.array([moments_added(field.only(0).reseeded(seed)) for seed in range(80)])
+        third = found[:, 0] / spectrum.height_variance() ** 1.5
+        rows.append(
+            (
+                name,
+                f"{all_pairs:.3f}",
+                f"{bound / spectrum.peak_wavenumber:.1f}",
+                f"{pairs:.3f}",
+                f"{bound_skewness(spectrum, bound, exact=False):.3f}",
+                f"{third.mean():.3f} ± {third.std(ddof=1) / np.sqrt(third.size):.3f}",
+                f"{100.0 * found[:, 1].mean() / spectrum.height_variance():+.1f} %",
+                f"{100.0 * found[:, 2].mean() / sum(field.resolved_mss()):+.1f} %",
+            )
+        )
+        crests.append((name, *crest_heights(spectrum, bound, pairs / 3.0)))
+    head = ("sea", "all pairs", "waves up to [peak]", "pairs of them", "weights of lattices", "drawn", "height variance", "slope variance")
+    yield from table(head, rows)
+    yield ""
+    yield from table(("crest over Hs exceeded by one wave in 100", "linear", "Rayleigh", "second order", "Tayfun"), crests)
+
+
+def moments_added(field: WaveField) -> FloatArray:
+    """Third moment of the height, variance of height and of slope that bound waves add to a tile [m3, m2, 1]."""
+    whole, free = (one.surfaces(0.0)[0].astype(float) for one in (field, field.linear()))
+    cubes, squares = ([np.mean(z[..., 0] ** power) for z in (whole, free)] for power in (3, 2))
+    slopes = [float(np.sum(np.mean(z[..., 1:] ** 2, axis=(0, 1)))) for z in (whole, free)]
+    return np.array([cubes[0] - cubes[1], squares[0] - squares[1], slopes[0] - slopes[1]])
+
+
+def crest_heights(spectrum: DirectionalSpectrum, bound: float, steepness: float) -> tuple[str, ...]:
+    """Crests that one wave in 100 exceeds, over the significant height: of 16 records of two hours, and in closed form."""
+    share, found = 0.01, []
+    records = [WaveRecord.draw(spectrum, seed, 9216, 0.78125, hertz=(1.0 / 30.0, 0.6), bound=bound) for seed in range(16)]
+    for kind in ("linear", "second_order"):
+        each = []
+        for record in records:
+            z = getattr(record, kind)
+            z = z - z.mean()
+            starts = np.flatnonzero((z[:-1] < 0.0) & (z[1:] >= 0.0))
+            each.append(float(np.quantile(np.maximum.reduceat(z, starts), 1.0 - share)) / spectrum.significant_height())
+        found.append(f"{np.mean(each):.3f} ± {np.std(each, ddof=1) / np.sqrt(len(each)):.3f}")
+    gaussian = float(np.sqrt(-2.0 * np.log(share)))
+    return found[0], f"{0.25 * gaussian:.3f}", found[1], f"{0.25 * (gaussian + 0.5 * steepness * gaussian**2):.3f}"
+
+
 def buoy() -> Lines:
     """A week of spectra of buoy 41010 against the buoy's own summary."""
     from seaglint.base.errors import DataError
@@ -365,6 +430,7 @@ TABLES: dict[str, Callable[[], Lines]] = {
     "low-suns": low_suns,
     "other-seas": other_seas,
     "sea": sea,
+    "second-order": second_order,
     "buoy": buoy,
     "scenes": scenes,
     "measured": measured,

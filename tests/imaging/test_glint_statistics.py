@@ -29,7 +29,7 @@ def test_variance_falls_with_range_as_equation_18_says():
     view, camera = scenario_physics.view(scenario), scenario_physics.camera(scenario)
     found = mean_radiance(view, camera.elevations, camera.azimuths)
     solid_angle = camera.row_step * camera.column_step * np.cos(camera.elevations)
-    expected = sea_variance(view, found, camera.elevations, solid_angle, scenario_physics.glint_length(scenario)).mean(axis=1)
+    expected = sea_variance(view, found, camera.elevations, solid_angle, scenario_physics.glint_correlation(scenario)).mean(axis=1)
     variance = frames.var(axis=0, ddof=1).mean(axis=1)
     sea = np.flatnonzero(camera.elevations < np.radians(-0.25))
     parts = np.array_split(sea, 8)

@@ -105,7 +105,7 @@ def test_the_likelihood_sees_the_same_moonlight():
                 # number of bands of the nested law: the mean over azimuths of the light
                 assert drawn.radiance[i] == pytest.approx(light.sun[0, 0], rel=0.015)
                 pixel = np.prod(np.radians(scenario.sensor.ifov_deg))
-                length = scenario_physics.glint_length(scenario)
+                length = scenario_physics.glint_correlation(scenario)
                 assert spread[i] == pytest.approx(float(np.sqrt(sea_variance(view, light, rows, pixel, length)[0, 0])), rel=0.03)
 
 

@@ -35,6 +35,7 @@ from seaglint.facet.glint import FacetDensity, SunDisc, aim_disc, chance_kernel,
 from seaglint.facet.legs import Legs, Shadowing
 from seaglint.facet.sea_view import sea_arc
 from seaglint.facet.sunlight import STEADY, turn_kernel
+from seaglint.radiance.lit_variance import WaveGlint, variance_by_wind
 from seaglint.radiance.variance import patches_of_tilt, point_variance
 from seaglint.sea.shadowing.nested import HIGHEST, between_bands, ratio_table
 from seaglint.sea.shadowing.seen_and_lit import coupling_table
@@ -378,6 +379,35 @@ def _fill(
             if bright > out[n, 0] or step == 0:
                 best, aside = u, a
                 out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = bright, evaluated[1], evaluated[2], gamma, evaluated[3]
+
+
+def wave_deviation(
+    evaluated: Looks, height: FloatArray, solid_angle: float, wind: FloatArray, at: Callable[[float], tuple[WaveGlint, SlopeStatistics]]
+) -> FloatArray:
+    """Standard deviation of glint in a pixel of each look [W m-2 sr-1, (n,)], from the waves.
+
+    Parameters
+    ----------
+    evaluated : Looks
+        Results of the looks.
+    height : ndarray
+        Heights of the sensors [m, (n,)].
+    solid_angle : float
+        Solid angle of a pixel [sr].
+    wind : ndarray
+        Winds of the looks [m s⁻¹, (n,)].
+    at : callable
+        Waves and slopes of a wind [m s⁻¹].
+    """
+    gamma = np.maximum(evaluated.elevation, 0.0)
+    shown = (evaluated.radiance > 0.0) & (evaluated.chance > 0.0)
+    out = np.zeros(gamma.shape)
+    if shown.any():
+        slant = slant_range(height, sea_arc(height, gamma))
+        looks = (evaluated.cos_incidence, 0.5 * np.pi - gamma, evaluated.sun_up, slant, np.full(gamma.shape, solid_angle))
+        share = variance_by_wind(at, wind[shown], SOLAR_ANGULAR_RADIUS, tuple(np.asarray(look)[shown] for look in looks))
+        out[shown] = evaluated.radiance[shown] * np.sqrt(share)
+    return out
 
 
 def deviation(evaluated: Looks, height: FloatArray, solid_angle: float, length: float) -> FloatArray:

@@ -64,11 +64,12 @@ STEEPNESS_STEP = 0.5  #: Step of the facets' steepness in a ``ClusterTable``, in
 class ClusterTable(NamedTuple):
     """Fluctuation of the mirrored Sun from the waves that are no geometry.
 
-    By stretches of the sea in which the same waves are geometry. ``begins``: their first arcs [m, (n,)]. ``nodes[l] = (log of the first arc, nodes per log)``. ``area[l, node, way,
-    u]``: log of the variance of a pixel's lit share times its area on the sea [m2], with its length along (way 0) and across (1) the wind, at
-    a steepness ``u STEEPNESS_STEP`` of the facets. ``shares[l, j]``: variance of the cells of side ``2**(top - j)`` m [1], 0 where they are
-    smaller than pixels. ``times[l, j]``: their correlation time, and last the pixel's [s]. ``reach``: length of waves over 2 pi of each
-    level [m]. ``wind``: azimuth of the waves [rad]; ``disc``: a quarter of the squared radius of the Sun in slopes [1].
+    By stretches of the sea in which the same waves are geometry. ``begins``: their first arcs [m, (n,)]. ``nodes[l] = (log of the first
+    arc, nodes per log)``. ``area[l, node, way, u]``: log of the variance of a pixel's lit share times its area on the sea [m2], with its
+    length along (way 0) and across (1) the wind, at a steepness ``u STEEPNESS_STEP`` of the facets. ``shares[l, j]``: variance of the cells
+    of side ``2**(top - j)`` m [1], 0 where they are smaller than pixels. ``times[l, j]``: their correlation time, and last the pixel's [s].
+    ``reach``: length of waves over 2 pi of each level [m]. ``wind``: azimuth of the waves [rad]; ``disc``: a quarter of the squared radius
+    of the Sun in slopes [1].
     """
 
     begins: np.ndarray

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -10,7 +11,7 @@ import numpy as np
 from seaglint.base.conventions import horizon_depression
 from seaglint.facet.glint import glint
 from seaglint.facet.sea_view import SeaView
-from seaglint.facet.sunlight import turn_at
+from seaglint.facet.sunlight import turn_at, visible_sun
 from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.scene import Levels
 from seaglint.imaging.sparkle import NO_SPARKLE, Sparkle, sparkle_of, sparkle_rows
@@ -54,7 +55,8 @@ def relative_variance(view: SeaView, camera: Camera, cell: float | WaveGlint) ->
         return 0.0
     cosine = np.where(shown, mirrored.cos_incidence, 1.0)
     if isinstance(cell, WaveGlint):
-        lit = cell.relative_variance(view.slopes, view.disc.lit_radius, cosine, theta, view.solar_zenith, slant, solid)
+        up = math.cos(visible_sun(view.solar_zenith)[1])
+        lit = cell.relative_variance(view.slopes, view.disc.lit_radius, cosine, theta, up, slant, solid)
         return float(np.sum(mirrored.chance**2 * lit) / np.sum(mirrored.chance**2))
     # number of cells in a pixel
     many = patches(cosine, theta, view.solar_zenith, slant, solid, cell)

@@ -1,13 +1,13 @@
 r"""Tables of sparkles from the waves, by level of detail: variance of a pixel's lit share, fields larger than pixels, and times.
 
 At a level the slopes that are no geometry are Gaussian short waves with the facets' variances and the spectrum's proportions
-(:mod:`seaglint.sea.glitter.lit_share`). Pixels smaller than these waves share fields of independent cells of the sides a, 2a, 4a, ..., which
-are multiplied. With cells of the variances ``o_j`` two places at a lag (x, y) have the mean product
+(:mod:`seaglint.sea.glitter.lit_share`). Pixels smaller than these waves share fields of independent cells of the sides a, 2a, 4a, ...,
+which are multiplied. With cells of the variances ``o_j`` two places at a lag (x, y) have the mean product
 
 .. math:: \prod_j [1 + o_j \Lambda(x/a_j) \Lambda(y/a_j)], \qquad \Lambda(t) = \max(0, 1 - |t|)
 
-and a square the variance that follows. The ``o_j`` are fitted so that squares of all sides have the variance of the closed form; a pixel has
-exactly that of its own size by a field of its own.
+and a square the variance that follows. The ``o_j`` are fitted so that squares of all sides have the variance of the closed form; a pixel
+has exactly that of its own size by a field of its own.
 """
 
 from __future__ import annotations

@@ -9,17 +9,15 @@ images.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import RegularGridInterpolator
 
 from seaglint.base.conventions import FloatArray
-from seaglint.facet.sunlight import visible_sun
 from seaglint.sea.glitter.lit_share import Clusters, Covariance
 from seaglint.sea.glitter.short_waves import ShortWaves
 from seaglint.sea.shadowing.smith import projected_area
@@ -33,7 +31,13 @@ _STEEPNESS: Final = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.5, STEEPEST])
 
 COLUMNS: Final = 2.0  #: Least length of geometry's waves in widths of a pixel, as in images.
 
-_SIZES: Final = 5  #: Number of sizes of pixels at which the variance is computed; linear in logarithms in between.
+#: Winds at which the waves of many cases are computed [m s⁻¹]: variances between them are within 2 %.
+WINDS: Final = tuple(float(wind) for wind in np.geomspace(0.5, 20.0, 19))
+
+#: Nodes per decade of the width of a pixel, its length over its width, and the radius of the disc; logarithms are linear in between.
+_PER_DECADE: Final = (4.0, 4.0, 2.0)
+
+_LONGEST: Final = 1e9  #: Length of waves for a sea that is not resolved [m]: all its waves are shorter.
 
 
 @dataclass(frozen=True)
@@ -75,7 +79,7 @@ class WaveGlint:
         radius: float,
         cos_incidence: ArrayLike,
         view_zenith: ArrayLike,
-        solar_zenith: float,
+        sun_up: ArrayLike,
         slant_range: ArrayLike,
         solid_angle: ArrayLike,
     ) -> FloatArray:
@@ -87,8 +91,10 @@ class WaveGlint:
             Slopes of all waves.
         radius : float
             Angular radius of the Sun, or of the lit part of the Moon [rad].
-        cos_incidence, view_zenith, solar_zenith, slant_range, solid_angle
+        cos_incidence, view_zenith, slant_range, solid_angle
             As in :func:`seaglint.radiance.variance.patches`.
+        sun_up : array_like
+            Cosine of the zenith angle of the visible part of the Sun [1].
 
         Returns
         -------
@@ -100,10 +106,9 @@ class WaveGlint:
         The mirroring slope counts by its size alone, and hiding by Smith's law: variances along and across the wind differ by a factor of
         two at most.
         """
-        _, zenith = visible_sun(solar_zenith)
         cosine = np.maximum(np.asarray(cos_incidence, np.float64), 1e-9)
         upward = np.maximum(np.cos(np.asarray(view_zenith, np.float64)), 1e-6)
-        tilt = np.clip((upward + math.cos(zenith)) / (2.0 * cosine), 1e-3, 1.0)
+        tilt = np.clip((upward + np.asarray(sun_up, np.float64)) / (2.0 * cosine), 1e-3, 1.0)
         steepness = np.sqrt(np.maximum(1.0 / tilt**2 - 1.0, 0.0) * 2.0 / max(slopes.mss, 1e-300))
         # the disc in slopes is larger where the Sun is met at a grazing angle
         spread = radius / (2.0 * np.sqrt(tilt**3 * cosine))
@@ -111,42 +116,71 @@ class WaveGlint:
         steepness, width, length, spread = np.broadcast_arrays(steepness, width, width / upward, spread)
         if steepness.size == 0:
             return np.zeros(steepness.shape)
-        sizes = _nodes(width), _nodes(length / width), _nodes(spread, 2)
-        table = _table(self, slopes, *(tuple(float(x) for x in size) for size in sizes))
-        inside = [
-            np.clip(np.log(x), np.log(size[0]), np.log(size[-1])) for x, size in zip((width, length / width, spread), sizes, strict=True)
-        ]
-        points = np.stack([*inside, np.clip(steepness, 0.0, STEEPEST) ** 2], axis=-1)
+        logs = self._area(slopes, (width.ravel(), (length / width).ravel(), spread.ravel()), steepness.ravel())
         # the sea that is seen in a pixel is the less the more of it is hidden
         seen = projected_area(np.asarray(view_zenith, np.float64), 0.5 * slopes.mss)
-        return np.asarray(np.exp(table(points.reshape(-1, 4))).reshape(steepness.shape) * seen / width**2)
+        return np.asarray(np.exp(logs.reshape(steepness.shape)) * seen / width**2)
+
+    def _area(self, slopes: SlopeStatistics, sizes: tuple[FloatArray, ...], steepness: FloatArray) -> FloatArray:
+        """Logarithm of ``K`` [m2] at widths, ratios of length to width and discs, linear between nodes of their logarithms [(n,) each]."""
+        nodes = np.stack([per * np.log10(size) for per, size in zip(_PER_DECADE, sizes, strict=True)])
+        lower = np.floor(nodes)
+        squared = np.clip(steepness, 0.0, STEEPEST) ** 2
+        u = np.clip(np.searchsorted(_STEEPNESS**2, squared, side="right") - 1, 0, _STEEPNESS.size - 2)
+        along = (squared - _STEEPNESS[u] ** 2) / (_STEEPNESS[u + 1] ** 2 - _STEEPNESS[u] ** 2)
+        total = np.zeros(steepness.shape)
+        for corner in np.ndindex(2, 2, 2):
+            step = np.array(corner, np.float64)[:, None]
+            weight = np.prod(1.0 - np.abs(nodes - lower - step), axis=0)
+            places, inverse = np.unique((lower + step).T.astype(np.int64), axis=0, return_inverse=True)
+            table = np.array([_node(self, slopes, *(int(n) for n in place)) for place in places])[inverse.ravel()]
+            rows = np.arange(steepness.size)
+            total += weight * (table[rows, u] + along * (table[rows, u + 1] - table[rows, u]))
+        return total
 
 
-def _nodes(values: FloatArray, most: int = _SIZES) -> FloatArray:
-    """Return sizes, even over their logarithm, that span values; one size where the values hardly differ."""
-    low, high = float(np.min(values)), float(np.max(values))
-    # rounded to steps of a twelfth of a decade, so that neighbouring calls share a table
-    low, high = 10.0 ** (math.floor(12.0 * math.log10(low)) / 12.0), 10.0 ** (math.ceil(12.0 * math.log10(high)) / 12.0)
-    return np.geomspace(low, high, max(min(most, math.ceil(4.0 * math.log10(high / low)) + 1), 2))
+def variance_by_wind(
+    at: Callable[[float], tuple[WaveGlint, SlopeStatistics]], wind: FloatArray, radius: float, looks: tuple[FloatArray, ...]
+) -> FloatArray:
+    """Relative variance of the mirrored Sun in square pixels, each at its own wind: interpolated between ``WINDS`` in logarithms.
+
+    Parameters
+    ----------
+    at : callable
+        Waves and slopes of a wind [m s⁻¹].
+    wind : ndarray
+        Winds [m s⁻¹, (n,)]; beyond ``WINDS`` the nearest of them counts.
+    radius : float
+        Angular radius of the light [rad].
+    looks : tuple of ndarray
+        Cosine of incidence, view zenith, ``sun_up``, slant range and solid angle of :meth:`WaveGlint.relative_variance` [(n,) each].
+
+    Returns
+    -------
+    ndarray
+        Relative variance [1, (n,)].
+    """
+    nodes = np.array(WINDS)
+    place = np.interp(np.log(np.maximum(wind, nodes[0])), np.log(nodes), np.arange(nodes.size))
+    total = np.zeros(wind.shape)
+    for i, node in enumerate(WINDS):
+        weight = np.clip(1.0 - np.abs(place - i), 0.0, None)
+        near = weight > 0.0
+        if near.any():
+            glint, slopes = at(node)
+            total[near] += weight[near] * np.log(glint.relative_variance(slopes, radius, *(look[near] for look in looks)))
+    return np.exp(total)
 
 
-@lru_cache(maxsize=32)
-def _table(
-    glint: WaveGlint, slopes: SlopeStatistics, widths: tuple[float, ...], ratios: tuple[float, ...], radii: tuple[float, ...]
-) -> RegularGridInterpolator:
-    """Logarithm of ``K`` [m2] by logarithms of width, length over width and disc, and by steepness."""
-    values = np.empty((len(widths), len(ratios), len(radii), _STEEPNESS.size))
-    for i, clusters in enumerate(_by_width(glint, slopes, widths)):
-        for j, ratio in enumerate(ratios):
-            box = (ratio * widths[i], widths[i])
-            for k, radius in enumerate(radii):
-                for u, steepness in enumerate(_STEEPNESS):
-                    ways = [max(clusters.variance(steepness, radius, box, turn), 1e-30) for turn in (0.0, 0.5 * math.pi)]
-                    values[i, j, k, u] = math.log(0.5 * sum(ways) * box[0] * box[1])
-    nodes = (*(np.log(size) for size in (widths, ratios, radii)), _STEEPNESS**2)
-    return RegularGridInterpolator(nodes, values)
+@lru_cache(maxsize=64)
+def _clusters(glint: WaveGlint, slopes: SlopeStatistics, cut: float) -> Clusters:
+    return glint.clusters(slopes, cut)
 
 
-def _by_width(glint: WaveGlint, slopes: SlopeStatistics, widths: tuple[float, ...]) -> Iterator[Clusters]:
-    for width in widths:
-        yield glint.clusters(slopes, 2.0 * math.pi / max(min(glint.shortest_wave, 1e9), COLUMNS * width))
+@lru_cache(maxsize=4096)
+def _node(glint: WaveGlint, slopes: SlopeStatistics, width: int, ratio: int, disc: int) -> FloatArray:
+    """Logarithms of ``K`` [m2] at the steepness of ``_STEEPNESS``, for numbers of the nodes of a pixel's width, shape and disc."""
+    size, shape, radius = (10.0 ** (number / per) for number, per in zip((width, ratio, disc), _PER_DECADE, strict=True))
+    clusters = _clusters(glint, slopes, 2.0 * math.pi / max(min(glint.shortest_wave, _LONGEST), COLUMNS * size))
+    ways = [[clusters.variance(float(u), radius, (shape * size, size), turn) for u in _STEEPNESS] for turn in (0.0, 0.5 * math.pi)]
+    return np.asarray(np.log(np.maximum(np.mean(ways, axis=0) * shape * size**2, 1e-30)))

@@ -22,6 +22,7 @@ depression and a Sun at 60 deg.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -277,7 +278,8 @@ def sea_variance(
         if isinstance(correlation, WaveGlint):
             shown = mirrored.chance[sea] > 0.0
             cosine = np.where(shown, mirrored.cos_incidence[sea], 1.0)
-            look = (theta[sea][:, None], light.solar_zenith, distance[:, None], omega[sea][:, None])
+            up = math.cos(visible_sun(light.solar_zenith)[1])
+            look = (theta[sea][:, None], up, distance[:, None], omega[sea][:, None])
             share = correlation.relative_variance(view.slopes, light.disc.lit_radius, cosine, *look)
             variance[sea] += np.where(shown, mirrored.sun[sea] ** 2 * share, 0.0)
             continue

@@ -40,6 +40,8 @@ TILES: Final = 3  #: Default number of tiles that the waves of a sea are spread 
 #: Share of the height variance in waves longer than the "longest" one, SHORTEST_SPAN of which must fit on the first tile.
 ENERGETIC_SHARE: Final = 0.01
 
+_NARROWEST_BAND: Final = 1.5  # ratio of the ends of a band below which another tile is not worth its cost
+
 _GOLDEN: Final = 0.3819660112501051  # 1 - 1/golden ratio: the fraction that is hardest to approach by ratios of small integers
 
 #: Wave vectors [cycles per period of the tile] and amplitudes [periods] for the first tile, along its axes.
@@ -123,15 +125,21 @@ class Tile:
         return self.length / self.n
 
     @property
+    def sampled(self) -> float:
+        """Wavenumber of the waves with ``SAMPLES_PER_WAVE`` lattice points [rad m⁻¹]."""
+        return 2.0 * np.pi / (SAMPLES_PER_WAVE * self.spacing)
+
+    @property
     def step(self) -> float:
         """Spacing of lattice wavenumbers [rad m⁻¹]."""
         return 2.0 * np.pi / self.length
 
 
-def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tiles: int = TILES) -> tuple[Tile, ...]:
+def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tiles: int = TILES, *, bound: float = 0.0) -> tuple[Tile, ...]:
     """Tiles for all waves of a spectrum that are longer than ``shortest_wave``, longest band first.
 
-    Lengths fall by one ratio, nudged apart from it, chosen so that every tile is the same number of its longest waves long.
+    Lengths fall by one ratio, nudged apart from it, chosen so that every tile is the same number of its longest waves long. Waves that
+    have bound waves belong to the first tile: its band is wider then, and it has twice the points.
 
     Parameters
     ----------
@@ -143,6 +151,9 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
         Lattice points along each axis of each tile.
     tiles : int
         Number of tiles.
+    bound : float
+        Wavenumber up to which waves have bound waves [rad m⁻¹]; 0 without. The first tile has them all as long as it is
+        ``SHORTEST_SPAN`` of its longest waves long. Bands that become narrower than half an octave are joined.
 
     Returns
     -------
@@ -178,6 +189,17 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
     ratio = (k_top / k_low) ** (1.0 / tiles)
     span = n / (SAMPLES_PER_WAVE * ratio)
     last = shortest_wave * n / SAMPLES_PER_WAVE
+    if bound > 0.0:
+        # the nudge of the first length lowers the end of its band by up to 6 %
+        widest = n / (SAMPLES_PER_WAVE * SHORTEST_SPAN)
+        first = min(1.06 * bound / k_low, widest, k_top / k_low)
+        fewest = 1 if k_top / k_low <= widest else 2
+        while tiles > fewest and first > ratio and (k_top / k_low / first) ** (1.0 / (tiles - 1)) < _NARROWEST_BAND:
+            tiles -= 1
+        if tiles > 1 and first > ratio:
+            ratio = (k_top / k_low / first) ** (1.0 / (tiles - 1))
+        elif tiles == 1:
+            span = n * k_low / (SAMPLES_PER_WAVE * k_top)
     lengths = [last * ratio ** (tiles - 1 - i) * (1.0 + 0.06 * ((tiles - 1 - i) * _GOLDEN % 1.0)) for i in range(tiles)]
     if span < SHORTEST_SPAN:
         needed = SHORTEST_SPAN * 2.0 * np.pi / k_low
@@ -186,8 +208,13 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
             f"{needed:.4g} m: give more tiles or points (render.tile_size) or a longer shortest wave (sea.shortest_wave_m)"
         )
     edges = [0.0, *(2.0 * np.pi * n / (SAMPLES_PER_WAVE * length) for length in lengths)]
+    points = [n] * tiles
+    # sums of two waves have up to twice their wavenumber
+    if 2.0 * bound > edges[1]:
+        points[0] = 2 * n
     return tuple(
-        Tile(length, n, float(0.5 * np.pi * ((i + 0.3) * _GOLDEN % 1.0)), edges[i], edges[i + 1]) for i, length in enumerate(lengths)
+        Tile(length, points[i], float(0.5 * np.pi * ((i + 0.3) * _GOLDEN % 1.0)), edges[i], edges[i + 1])
+        for i, length in enumerate(lengths)
     )
 
 

@@ -30,6 +30,10 @@ length.
 :class:`WaveField` exists unchanged and low-passed on lattices of half, a quarter, ... of its points, as long as waves are left. A level is
 a choice of one version of every tile that still has waves. The waves that a level omits belong to the facets.
 
+**Second order.** The energetic waves of the longest tile may have bound waves (``seaglint.sea.second_order``) on its lattices: in heights
+and slopes that are read or exported, at every level of detail, from the waves that the level has. Variances, plane waves and steepness are
+those of the free waves alone.
+
 References
 ----------
 M. Unser, Splines: a perfect fit for signal and image processing, IEEE Signal Process. Mag. 16(6), 22-38, 1999.
@@ -51,6 +55,7 @@ from seaglint.base.errors import DomainError
 from seaglint.base.jit import in_threads, njit
 from seaglint.base.random import stream
 from seaglint.sea.dispersion import angular_frequency
+from seaglint.sea.second_order import bound_coefficients
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.tiles import Tile, Wander, longest_wave_number, require_bands
 
@@ -124,12 +129,22 @@ class _Amplitudes:
 
 
 @dataclass(frozen=True, eq=False)
+class _Average:
+    """Waves of a tile before its mean over lines, each given by its extent towards east and north [m]."""
+
+    lattice: _Lattice
+    amplitudes: _Amplitudes
+    lines: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, eq=False)
 class WaveField:
     """Moving sea, synthesised on periodic tiles. Make it with :meth:`create`.
 
     ``wander``: displacement at which each tile is read (``seaglint.sea.tiles``); empty without wander. ``readings``: how the
     heights of each are read between lattice points; linearly where their share is small. ``oblique``: the waves are a mean
-    (:meth:`averaged`), which need not lie evenly on both sides of the wind.
+    (:meth:`averaged`), which need not lie evenly on both sides of the wind. ``bound``: wavenumber up to which the waves of each tile have
+    bound waves [rad m⁻¹]; 0 without.
     """
 
     spectrum: DirectionalSpectrum
@@ -138,14 +153,19 @@ class WaveField:
     wander: tuple[Wander, ...]
     readings: tuple[Reading, ...]
     oblique: bool
+    bound: tuple[float, ...]
     _lattices: tuple[_Lattice, ...]
     _amplitudes: tuple[_Amplitudes, ...]
+    _averages: tuple[_Average, ...] = ()  # of the mean of a sea with bound waves: these belong to the waves before the mean
 
     @classmethod
-    def create(cls, spectrum: DirectionalSpectrum, tiles: Sequence[Tile], seed: int, *, wander: bool = False) -> WaveField:
+    def create(
+        cls, spectrum: DirectionalSpectrum, tiles: Sequence[Tile], seed: int, *, wander: bool = False, bound: float = 0.0
+    ) -> WaveField:
         """Plan tiles for a spectrum and draw the amplitudes of each from ``stream(seed, "waves", tile index)``.
 
-        With ``wander`` the sea does not repeat with the periods of its tiles.
+        With ``wander`` the sea does not repeat with the periods of its tiles. Waves of the longest tile up to the wavenumber ``bound``
+        [rad m⁻¹] have bound waves, as far as the tile samples these four times.
 
         Raises
         ------
@@ -155,12 +175,20 @@ class WaveField:
         require_bands(spectrum, tiles)
         lattices = tuple(_lattice_waves(spectrum, tile) for tile in tiles)
         wanders = _wander(tiles, seed) if wander else ()
-        return cls(spectrum, tuple(tiles), seed, wanders, _readings(tiles, lattices), False, lattices, _draw(lattices, seed))
+        longest = min((tile.k_min for tile in tiles), default=0.0)
+        limits = tuple(bound if tile.k_min == longest else 0.0 for tile in tiles)
+        return cls(spectrum, tuple(tiles), seed, wanders, _readings(tiles, lattices), False, limits, lattices, _draw(lattices, seed))
 
     def reseeded(self, seed: int) -> WaveField:
         """Return another realisation of the same sea, as :meth:`create` would make it, without integrating the spectrum again."""
         wander = _wander(self.tiles, seed) if self.wander else ()
-        return replace(self, seed=seed, wander=wander, _amplitudes=_draw(self._lattices, seed))
+        sources = _draw([average.lattice for average in self._averages], seed)
+        averages = tuple(replace(a, amplitudes=drawn) for a, drawn in zip(self._averages, sources, strict=True))
+        return replace(self, seed=seed, wander=wander, _amplitudes=_draw(self._lattices, seed), _averages=averages)
+
+    def linear(self) -> WaveField:
+        """Return the free waves alone, without bound waves."""
+        return replace(self, bound=(0.0,) * len(self.tiles), _averages=())
 
     def only(self, tile: int) -> WaveField:
         """Return the waves of one tile alone."""
@@ -170,8 +198,10 @@ class WaveField:
             tiles=self.tiles[one],
             wander=self.wander[one],
             readings=self.readings[one],
+            bound=self.bound[one],
             _lattices=self._lattices[one],
             _amplitudes=self._amplitudes[one],
+            _averages=self._averages[one],
         )
 
     def halved(self) -> WaveField:
@@ -179,7 +209,9 @@ class WaveField:
         tiles = tuple(replace(tile, n=tile.n // 2, k_max=0.5 * tile.k_max) for tile in self.tiles)
         # frequencies and amplitudes are copied, so that a level moves exactly as the full sea
         cut = [_low_pass(*parts) for parts in zip(tiles, self._lattices, self._amplitudes, strict=True)]
-        return replace(self, tiles=tiles, _lattices=tuple(c[0] for c in cut), _amplitudes=tuple(c[1] for c in cut))
+        sources = [_low_pass(tile, a.lattice, a.amplitudes) for tile, a in zip(tiles, self._averages, strict=False)]
+        averages = tuple(_Average(*source, a.lines) for source, a in zip(sources, self._averages, strict=True))
+        return replace(self, tiles=tiles, _lattices=tuple(c[0] for c in cut), _amplitudes=tuple(c[1] for c in cut), _averages=averages)
 
     def averaged(self, width: float, azimuth: float) -> WaveField:
         """Return the field as a mean over a ``width`` [m] at right angles to the direction of an azimuth [rad].
@@ -189,7 +221,12 @@ class WaveField:
         across = (np.cos(azimuth) * width, -np.sin(azimuth) * width)
         # frequencies are copied, so that an averaged sea moves exactly as the full one
         cut = [_mean_over(across, *parts) for parts in zip(self._lattices, self._amplitudes, strict=True)]
-        return replace(self, oblique=True, _lattices=tuple(c[0] for c in cut), _amplitudes=tuple(c[1] for c in cut))
+        averages = self._averages
+        if any(self.bound):
+            # the mean of bound waves is not the bound waves of a mean
+            first = averages or [_Average(*parts, ()) for parts in zip(self._lattices, self._amplitudes, strict=True)]
+            averages = tuple(replace(a, lines=(*a.lines, across)) for a in first)
+        return replace(self, oblique=True, _lattices=tuple(c[0] for c in cut), _amplitudes=tuple(c[1] for c in cut), _averages=averages)
 
     def refined(self, times: int) -> WaveField:
         """Return the same sea on lattices of ``times`` as many points a side, for readers that interpolate without its splines."""
@@ -213,8 +250,8 @@ class WaveField:
             loses variance.
         """
         out = []
-        for tile, waves, heights in self._evolved(time):
-            derivatives = np.stack([np.ones_like(waves.k_east), 1j * waves.k_east, 1j * waves.k_north], axis=-1)
+        for tile, (east, north), heights in self._evolved(time):
+            derivatives = np.stack([np.ones_like(east), 1j * east, 1j * north], axis=-1)
             out.append(_transformed(tile, (heights[..., None] * derivatives).astype(np.complex64), workers))
         return tuple(out)
 
@@ -235,7 +272,7 @@ class WaveField:
         """
         out = []
         for (tile, _, heights), reading in zip(self._evolved(time), self.readings, strict=True):
-            out.append(_transformed(tile, heights[..., None] * _gains(tile, reading), 1))
+            out.append(_transformed(tile, heights[..., None] * _gains(tile, reading, heights.shape[1] - 1), 1))
         return tuple(out)
 
     def splines(self, time: float) -> tuple[SurfaceArray, ...]:
@@ -243,9 +280,9 @@ class WaveField:
         return tuple(lattice[..., -1] for lattice in self.coefficients(time))
 
     def steepness(self, tile: int, time: float) -> SurfaceArray:
-        """Steepness ``sum |k| zeta_k`` of the waves of a tile at its lattice points at one time [1, (n, n)]: high on steep crests."""
-        (one, waves, heights), *_ = self.only(tile)._evolved(time)
-        steep = heights * np.hypot(waves.k_east, waves.k_north).astype(np.float32)
+        """Steepness ``sum |k| zeta_k`` of the free waves of a tile at its lattice points at one time [1, (n, n)]: high on steep crests."""
+        (one, (east, north), heights), *_ = self.only(tile).linear()._evolved(time)
+        steep = heights * np.hypot(east, north).astype(np.float32)
         return np.asarray(_transformed(one, steep[..., None], 1)[..., 0])
 
     def steepness_deviation(self, tile: int) -> float:
@@ -265,14 +302,34 @@ class WaveField:
             return float(np.sin(self.spectrum.wind_to_azimuth)), float(np.cos(self.spectrum.wind_to_azimuth))
         return east / length, north / length
 
-    def _evolved(self, time: float) -> Iterator[tuple[Tile, _Lattice, ComplexArray]]:
-        """Tiles, their waves and the Fourier coefficients of their heights at one time."""
+    def _evolved(self, time: float) -> Iterator[tuple[Tile, tuple[FloatArray, FloatArray], ComplexArray]]:
+        """Tiles, wave vectors (east, north) of their lattices and the Fourier coefficients of their heights at one time."""
         if not np.isfinite(time):
             raise DomainError(f"time = {time:g} s must be finite", name="time", value=time, allowed="finite")
-        for tile, waves, amplitudes in zip(self.tiles, self._lattices, self._amplitudes, strict=True):
+        for i, (tile, waves, amplitudes) in enumerate(zip(self.tiles, self._lattices, self._amplitudes, strict=True)):
             heights = np.empty(amplitudes.forward.shape, np.complex64)
             _evolve(amplitudes.forward, amplitudes.backward, waves.frequency, float(time), heights)
-            yield tile, waves, heights
+            vectors = waves.k_east, waves.k_north
+            if self.bound[i] > 0.0:
+                vectors, heights = self._with_bound(i, time, heights)
+            yield tile, vectors, heights
+
+    def _with_bound(self, i: int, time: float, heights: ComplexArray) -> tuple[tuple[FloatArray, FloatArray], ComplexArray]:
+        """Wave vectors and coefficients of a tile's heights with its bound waves, whose wavenumbers are up to twice as large."""
+        tile, carried = self.tiles[i], heights.shape[1] - 1
+        average = self._averages[i] if self._averages else _Average(self._lattices[i], self._amplitudes[i], ())
+        # bound waves, too, have SAMPLES_PER_WAVE lattice points: waves of half that wavenumber are the shortest that have them
+        limit = min(self.bound[i], 0.5 * tile.sampled)
+        second = _bound_waves(average.lattice, average.amplitudes, tile.step, limit, float(time))
+        widest = max(carried, second.shape[1] - 1)
+        out = np.zeros((2 * widest + 1, widest + 1), np.complex64)
+        q, p = np.meshgrid(*_lattice_numbers(widest), indexing="ij")
+        vectors = _to_world(tile, p, q)
+        out[_rows_and_columns(second.shape[1] - 1)] = second
+        for line in average.lines:
+            out *= _share_over(line, *vectors).astype(np.float32)
+        out[_rows_and_columns(carried)] += heights
+        return vectors, out
 
     def plane_waves(self) -> tuple[FloatArray, ...]:
         """Return the plane waves of every tile.
@@ -345,11 +402,20 @@ class WaveField:
             yield energy, waves.k_east * s + waves.k_north * c, waves.k_east * c - waves.k_north * s
 
 
-def _lattice_numbers(tile: Tile) -> tuple[FloatArray, FloatArray]:
-    """Lattice numbers (q of rows in FFT order, p of columns) that can hold energy: up to one beyond the band's upper edge."""
-    # one beyond the edge: a cell whose centre is outside may still reach into the band
-    top = int(np.ceil(tile.k_max / tile.step)) + 1
+def _top(tile: Tile) -> int:
+    """Largest lattice number that can hold energy: one beyond the band's upper edge, as a cell outside may still reach into the band."""
+    return int(np.ceil(tile.k_max / tile.step)) + 1
+
+
+def _lattice_numbers(top: int) -> tuple[FloatArray, FloatArray]:
+    """Lattice numbers up to ``top``: q of rows in FFT order, p of columns."""
     return np.concatenate([np.arange(top + 1), np.arange(-top, 0)]).astype(np.float64), np.arange(top + 1, dtype=np.float64)
+
+
+def _rows_and_columns(top: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Places of the lattice numbers up to ``top`` in a lattice of at least these numbers."""
+    rows = np.concatenate([np.arange(top + 1), np.arange(-top, 0)])
+    return rows[:, None], np.arange(top + 1)
 
 
 def _to_world(tile: Tile, p: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -358,16 +424,16 @@ def _to_world(tile: Tile, p: FloatArray, q: FloatArray) -> tuple[FloatArray, Flo
     return np.asarray(c * p - s * q), np.asarray(s * p + c * q)
 
 
-def _turns(tile: Tile) -> tuple[FloatArray, FloatArray]:
+def _turns(tile: Tile, top: int | None = None) -> tuple[FloatArray, FloatArray]:
     """Phases from one lattice point to the next of the rows and columns of ``_lattice_numbers`` [rad]."""
-    q, p = _lattice_numbers(tile)
+    q, p = _lattice_numbers(_top(tile) if top is None else top)
     return q * (2.0 * np.pi / tile.n), p * (2.0 * np.pi / tile.n)
 
 
 @lru_cache(maxsize=16)
-def _gains(tile: Tile, reading: Reading) -> ComplexArray:
+def _gains(tile: Tile, reading: Reading, top: int) -> ComplexArray:
     """Factors of the coefficients of a tile's waves (rows, columns, 1 or 2); complex like the coefficients."""
-    q, p = _turns(tile)
+    q, p = _turns(tile, top)
     used: tuple[Reading, ...] = ("cubic",) if reading == "cubic" else ("linear", "cubic")
     return np.stack([np.outer(gain(q, one), gain(p, one)) for one in used], axis=-1).astype(np.complex64)
 
@@ -431,7 +497,7 @@ def _variances(spectrum: DirectionalSpectrum, tile: Tile, p: FloatArray, q: Floa
 
 def _lattice_waves(spectrum: DirectionalSpectrum, tile: Tile) -> _Lattice:
     """Wave vectors, frequencies and variances of a tile."""
-    q, p = np.meshgrid(*_lattice_numbers(tile), indexing="ij")
+    q, p = np.meshgrid(*_lattice_numbers(_top(tile)), indexing="ij")
     k_east, k_north = _to_world(tile, p, q)
     variance, opposite = _variances(spectrum, tile, p, q)
     repeated = slice(p.shape[1], None)
@@ -441,9 +507,7 @@ def _lattice_waves(spectrum: DirectionalSpectrum, tile: Tile) -> _Lattice:
 
 def _low_pass(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_Lattice, _Amplitudes]:
     """Select the waves of a lattice that a tile with fewer points can carry."""
-    top = int(np.ceil(tile.k_max / tile.step)) + 1
-    rows = np.concatenate([np.arange(top + 1), np.arange(-top, 0)])
-    inner = np.ix_(rows, np.arange(top + 1))
+    inner = _rows_and_columns(_top(tile))
     k_east, k_north = lattice.k_east[inner], lattice.k_north[inner]
     in_band = np.hypot(k_east, k_north) < tile.k_max
     waves = _Lattice(k_east, k_north, lattice.frequency[inner], lattice.variance[inner] * in_band, lattice.opposite[inner] * in_band)
@@ -452,10 +516,24 @@ def _low_pass(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_
 
 def _mean_over(line: tuple[float, float], lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_Lattice, _Amplitudes]:
     """Return the waves of a lattice as a mean over a line, given by its extent towards east and north [m]."""
-    share = np.sinc((lattice.k_east * line[0] + lattice.k_north * line[1]) / (2.0 * np.pi))
+    share = _share_over(line, lattice.k_east, lattice.k_north)
     waves = replace(lattice, variance=lattice.variance * share**2, opposite=lattice.opposite * share**2)
     cut = share.astype(np.float32)
     return waves, _Amplitudes(amplitudes.forward * cut, amplitudes.backward * cut)
+
+
+@lru_cache(maxsize=4)  # levels of detail that are means of one tile share its bound waves
+def _bound_waves(lattice: _Lattice, amplitudes: _Amplitudes, step: float, limit: float, time: float) -> ComplexArray:
+    """Coefficients at a time [s] of the bound waves of a tile's waves up to a wavenumber [rad m⁻¹]."""
+    inner = _rows_and_columns(min(int(np.ceil(limit / step)), lattice.frequency.shape[1] - 1))
+    below = np.hypot(lattice.k_east[inner], lattice.k_north[inner]) < limit
+    turn = (np.exp(-1j * lattice.frequency[inner] * time) * below).astype(np.complex64)
+    return bound_coefficients(amplitudes.forward[inner] * turn, amplitudes.backward[inner] * turn, step)
+
+
+def _share_over(line: tuple[float, float], east: FloatArray, north: FloatArray) -> FloatArray:
+    """Factor of the amplitudes of waves in their mean over a line, given by its extent towards east and north [m]."""
+    return np.asarray(np.sinc((east * line[0] + north * line[1]) / (2.0 * np.pi)))
 
 
 def _draw(lattices: Sequence[_Lattice], seed: int) -> tuple[_Amplitudes, ...]:

@@ -323,6 +323,10 @@ class Sea(Record):
     shortest_wave_m: Annotated[
         float, Quantity("m", ge=0.02, le=1000), about("length of the shortest wave that is geometry; shorter ones are facet density")
     ] = 2.0
+    nonlinear: Annotated[
+        Literal["linear", "second-order"],
+        about("heights of the geometry: linear: Gaussian; second-order: with bound waves, sharp crests and flat troughs"),
+    ] = "linear"
     slopes: Annotated[
         Slopes, about("slope statistics of the whole sea; a measured wavenumber spectrum has its own by default: kind = 'spectrum'")
     ] = CoxMunkAnisotropic()

@@ -1,8 +1,8 @@
 r"""Share of the sea that mirrors a disc, and how it fluctuates in a box: pairs of points of Gaussian slopes.
 
 A point mirrors the Sun where its slope lies in a small window about the mirroring slope ``s*``: the disc mapped to slopes, of the area
-``pi w^2``, with ``w = eps/2`` near the nadir. Of the slopes, those of short waves differ from place to place, with the covariance ``R`` at a
-lag (``seaglint.sea.glitter.short_waves``) and ``F`` at none; those of longer waves, of the covariance ``G``, are the same at both places.
+``pi w^2``, with ``w = eps/2`` near the nadir. Slopes of short waves differ from place to place, with the covariance ``R`` at a lag
+(``seaglint.sea.glitter.short_waves``) and ``F`` at none; slopes of longer waves, of the covariance ``G``, are the same at both places.
 Half the sum and the difference of the slopes at two places are independent, with the covariances ``(F + R)/2 + G`` and ``2 (F - R)``. With
 the window's second moments added to both,
 
@@ -75,7 +75,7 @@ class LitShare:
     def density(self) -> float:
         """Density of slopes at the mirroring slope, averaged over the disc [1]."""
         w2 = self.radius**2
-        total = [np.float64(f + g) for f, g in zip(self.short, self.longer, strict=True)]
+        total = [np.asarray(f + g) for f, g in zip(self.short, self.longer, strict=True)]
         return float(_normal(self.slope, total[0] + w2 / 4.0, total[1], total[2] + w2 / 4.0))
 
     @property
@@ -197,7 +197,7 @@ class Clusters:
         return float(times[i - 1] + share * (times[i] - times[i - 1]))
 
     def pairs(self, steepness: float, radius: float, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Excess of pairs at lags over independent ones and over their linear part [1], and the factors of that part, a mean over slopes."""
+        """Excess of pairs at lags over independent ones and their linear part [1], and the factors of that part, means over slopes."""
         lit = [self.lit(steepness, math.pi * i / SLOPE_TURNS, radius) for i in range(SLOPE_TURNS)]
         excess = np.mean([one.pairs(covariance) - one.unrelated - covariance @ one.linear for one in lit], axis=0)
         return np.asarray(excess), np.asarray(np.mean([one.linear for one in lit], axis=0))

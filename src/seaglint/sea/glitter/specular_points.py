@@ -10,9 +10,9 @@ The determinant ``Q`` is a quadratic form of three Gaussian numbers, whose chara
 .. math:: \langle |Q| \rangle = \frac{2}{\pi} \int_0^\infty \frac{1 - \mathrm{Re}\, \phi(t)}{t^2}\, dt, \qquad
     \phi(t) = \prod_{j=1}^3 (1 - 2 i l_j t)^{-1/2}
 
-Curvatures grow with the shortest waves: N belongs to the waves that are given, and has no limit for a spectrum without a cut-off. Each point
-lights the area where slopes are within the disc, ``P/N`` in the mean. A fixed point is lit as long as its slope takes through the disc. By
-Rice's rate of crossings of a circle of radius w,
+Curvatures grow with the shortest waves: N belongs to the waves that are given, and has no limit for a spectrum without a cut-off. Each
+point lights the area where slopes are within the disc, ``P/N`` in the mean. A fixed point is lit as long as its slope takes through the
+disc. By Rice's rate of crossings of a circle of radius w,
 
 .. math:: \tau = \frac{\pi w^2 p}{2 \pi w\, p\, \sigma_t/\sqrt{2 \pi}} = \sqrt{\frac{\pi}{2}} \frac{w}{\sigma_t}
 

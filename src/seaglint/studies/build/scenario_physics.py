@@ -51,6 +51,7 @@ from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.foam.breaking_crests import BreakingCrests
 from seaglint.sea.foam.coverage_laws import coverage
 from seaglint.sea.foam.foam_field import FoamField
+from seaglint.sea.second_order import bound_limit, bound_skewness
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
@@ -188,7 +189,8 @@ def breaking_crests(scenario: Scenario) -> BreakingCrests | None:
 def glint_correlation(scenario: Scenario) -> float | WaveGlint:
     """Return the correlation length of glint on the sea [m], or the waves from which its fluctuation follows."""
     glint, cut = scenario.sea.glint, scenario.sea.shortest_wave_m
-    if glint.correlation == "time":
+    # the article's mode has its own cells
+    if glint.correlation == "time" or scenario.mean.mode == "article":
         return glint_length(scenario)
     return WaveGlint(waves(scenario).spectrum, cut if scenario.sea.resolve_waves else math.inf)
 
@@ -473,7 +475,17 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
         return PreparedSea(None, {"waves": reason, **none}, reason)
-    field = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed, wander=True)
+    nonlinear = scenario.sea.nonlinear == "second-order"
+    bound = bound_limit(spectral) if nonlinear else 0.0
+    tiles = plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size, bound=bound)
+    field = WaveField.create(spectral, tiles, scenario.seed, wander=True, bound=bound)
+    if nonlinear:
+        bound = min(bound, tiles[0].k_max)
+        facts |= {
+            "bound_waves_up_to_rad_m": bound,
+            "height_skewness": bound_skewness(spectral, bound),
+            "height_skewness_of_all_bound_waves": bound_skewness(spectral),
+        }
     up, cross = field.resolved_mss()
     return PreparedSea(
         field,

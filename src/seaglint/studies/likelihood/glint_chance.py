@@ -21,13 +21,16 @@ from seaglint.climate import draws as by
 from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, WeatherOfDraws, illuminated, months_of
 from seaglint.climate.draws import Estimate, SamplingPlan, estimate, strata
 from seaglint.climate.exceeding_azimuths import azimuth_shares
-from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes
+from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes, wave_deviation
 from seaglint.climate.importance import DensityTree, Warped
 from seaglint.climate.likelihood_summary import DrawnWeather, ExceededContrast, LightUp, LikelihoodSummary, StratumChance, ThresholdChance
 from seaglint.climate.mirrored_moonlight import Moons, brighter, moonlit_looks
 from seaglint.climate.weather_table import WeatherTable
+from seaglint.radiance.lit_variance import WaveGlint
 from seaglint.scenario.model import Scenario
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.waves_and_slopes import slopes
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 
 #: Uniform numbers of a draw, those that matter most first.
@@ -570,8 +573,20 @@ def draw_values(model: LikelihoodModel, drawn: Draws, threshold: float) -> Float
 
 def pixel_deviation(model: LikelihoodModel, drawn: Draws) -> FloatArray:
     """Return the standard deviation of glint in one of the scenario's pixels [W m-2 sr-1]."""
-    across, along = model.scenario.sensor.ifov_deg
-    return deviation(drawn.sight, drawn.height, math.radians(across) * math.radians(along), scenario_physics.glint_length(model.scenario))
+    scenario, (across, along) = model.scenario, model.scenario.sensor.ifov_deg
+    solid_angle = math.radians(across) * math.radians(along)
+    if scenario.sea.glint.correlation == "time":
+        return deviation(drawn.sight, drawn.height, solid_angle, scenario_physics.glint_length(scenario))
+
+    def at(wind: float) -> tuple[WaveGlint, SlopeStatistics]:
+        # stronger winds of the weather count as the strongest of the law, as in the means
+        speed = min(wind, float(model.winds[-1]))
+        windy = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": speed})})
+        glint = scenario_physics.glint_correlation(windy)
+        assert isinstance(glint, WaveGlint)
+        return glint, slopes(windy)
+
+    return wave_deviation(drawn.sight, drawn.height, solid_angle, drawn.wind, at)
 
 
 def _solar_hour(where: Conditions) -> FloatArray:

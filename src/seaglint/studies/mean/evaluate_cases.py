@@ -52,8 +52,6 @@ SLOPES: Final = "slopes"  #: Another that may be missing: the slope model of eac
 
 SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gram-charlier")
 
-CORRELATION_TIME: Final = 0.07  #: Time after which glint at a point is forgotten, as in the scenario's default [s].
-
 EXTRAPOLATED: Final = "extrapolated"  #: Column with the names of the extrapolated columns of each row, if extrapolation is requested.
 
 ATMOSPHERE_INPUTS: Final = (
@@ -97,6 +95,12 @@ def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> Slo
     """Return the slopes of a wind at 10 m towards an azimuth [rad], over waves of Elfouhaily's spectrum, a scenario's default."""
     statistics = _law(kind, speed, towards, extrapolate)
     return statistics if kind == SLOPE_KINDS[0] else replace(statistics, nesting=_nesting(kind, speed, extrapolate))
+
+
+def _case_slopes(extrapolate: bool, kind: str, speed: float) -> SlopeStatistics:
+    """Return the slopes of a model at a wind, which is taken from the fit's range at most."""
+    least, most = (0.0, WIND_PROFILE[1]) if extrapolate else COX_MUNK_WIND
+    return slopes_of(kind, min(max(speed, least), most), 0.0, extrapolate)
 
 
 def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
@@ -332,8 +336,8 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     from seaglint.facet.sea_view import LOWER_LIMB, BandSum, LightDisc, Moonlight, SeaView
     from seaglint.facet.surface_spectra import SeaSurface
     from seaglint.radiance.mean_radiance import mean_radiance
-    from seaglint.radiance.variance import correlation_length, sea_variance
     from seaglint.studies.build.profile_air import model_air
+    from seaglint.studies.mean.case_variance import CaseLooks, MirroredCases
 
     cases.require(MEAN_INPUTS)
     covered = next(iter(_airs(cases, bands, extrapolate)[bands[0].label].values()))
@@ -352,7 +356,6 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     moons = np.zeros((len(cases), 3))
     for i, (name, lowest, highest) in enumerate(zip(MOON, (0.0, -360.0, 0.0), (180.0, 360.0, 180.0), strict=True)):
         moons[:, i] = _angles(cases, name, lowest, highest) if moonlit else 0.0
-    length = correlation_length(CORRELATION_TIME)
     water = hale_querry_sea()
     columns = {
         f"{quantity}[{band.label}]": np.empty(len(cases))
@@ -360,7 +363,9 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
         for quantity in ("radiance_W_m2_sr", "apparent_temperature_K", "std_W_m2_sr")
     }
     done, total = 0, len(cases) * len(bands)
+    looks, law = CaseLooks.of(height, depression, ifov), partial(_case_slopes, extrapolate)
     for band in bands:
+        shown = MirroredCases.none(len(cases))
         for key, same_air in groups_of(zip(cases.text("atmosphere"), wind.tolist(), strict=True)):
             model, speed = key if isinstance(key, tuple) else ("", 0.0)
             air = model_air(model, speed, band.edges)
@@ -383,13 +388,13 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
                 # What costs most, the table of the sky, is that of the air alone.
                 of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
                 components = mean_radiance(view, -depression[rows], [towards], of_kelvin)
-                variance = sea_variance(view, components, -depression[rows], ifov[rows] ** 2, length)
+                shown.add(rows, view, components)
                 columns[f"radiance_W_m2_sr[{band.label}]"][rows] = components.total[:, 0]
                 columns[f"apparent_temperature_K[{band.label}]"][rows] = apparent_temperature(
                     components.total[:, 0], band.band, air.wavenumber_cm
                 )
-                columns[f"std_W_m2_sr[{band.label}]"][rows] = np.sqrt(variance[:, 0])
                 done += rows.size
+        columns[f"std_W_m2_sr[{band.label}]"] = np.sqrt(shown.variance(looks, wind, np.array(kinds), law))
     _report(progress, done, total)
     return {**columns, **marks}
 

@@ -33,6 +33,7 @@ from seaglint.sea.dispersion import wavenumber
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.sea.wave_field import WaveField
+from seaglint.studies.measured.buoy_records import record_rows
 from seaglint.studies.measured.measured_numbers import (
     MeasuredRow,
     band_difference,
@@ -89,7 +90,18 @@ NEAR: Final = 60  #: Paths of 400-1030 hPa in the table; the others are of 5-400
 MODELS: Final = ("midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "tropical")
 
 #: Tables of the package whose sources are reported.
-TABLES: Final = ("aeri", "his", "iris", "modtran_sky", "modtran_path", "rrtmgp_paths", "rrtmgp_skies", "cdip_spectrum", "cdip_bands")
+TABLES: Final = (
+    "aeri",
+    "his",
+    "iris",
+    "modtran_sky",
+    "modtran_path",
+    "rrtmgp_paths",
+    "rrtmgp_skies",
+    "cdip_spectrum",
+    "cdip_bands",
+    "cdip_record",
+)
 
 _AZIMUTHS: Final = 360
 
@@ -504,7 +516,7 @@ def against_measurements(spectroscopy: str = "both") -> AgainstMeasurements:
         new_rows, new_spectra = compute(chosen)
         rows += new_rows
         spectra += new_spectra
-    rows += [*path_rows(chosen), *sky_rows(chosen), *buoy_rows()]
+    rows += [*path_rows(chosen), *sky_rows(chosen), *buoy_rows(), *record_rows(buoy_spectrum(), TITLE)]
     return AgainstMeasurements(tuple(rows), tuple(spectra))
 
 
