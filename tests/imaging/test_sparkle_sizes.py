@@ -69,6 +69,6 @@ def test_rendered_pictures_have_the_numbers_of_the_file(sparkle: str) -> None:
     values, expected = made.relative_glint(1.0, sparkle, 3)
     row = made.read()[sparkle, 1.0]
     found = made.statistics(values)
-    assert expected == pytest.approx(row["closed_form"], rel=1e-3)
+    assert expected == pytest.approx(row["closed_form"], rel=5e-3)  # digits of the file, and steps of its table of variances
     assert found[0] == pytest.approx(row["variance"], rel=0.1)
     assert found[3] == pytest.approx(row["rate_filtered_3_sigma"], rel=0.4)
