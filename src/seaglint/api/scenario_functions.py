@@ -177,7 +177,7 @@ def load(source: SceneInput) -> Scenario:
 
 
 @documented(MeanRequest)
-def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Dataset:
+def mean(scenario: SceneInput, *, sea_draws: int | None = None, progress: Progress | None = None) -> xr.Dataset:
     """Map mean radiance and apparent temperature over the view.
 
     Parameters
@@ -189,7 +189,8 @@ def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Datase
     Returns
     -------
     xarray.Dataset
-        Maps (y, x) with units, coordinates and provenance, as ``seaglint mean`` writes them; radiances [W m-2 sr-1].
+        Maps (y, x) with units, coordinates and provenance, as ``seaglint mean`` writes them; radiances [W m-2 sr-1]. With ``sea_draws``
+        also ``radiance_sea_low``, ``radiance_sea_high`` and the same of ``apparent_temperature`` and ``glint_std``.
 
     Raises
     ------
@@ -206,7 +207,7 @@ def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Datase
     from seaglint.store.netcdf import labelled
     from seaglint.studies.mean.mean_map import mean as computed
 
-    return with_band(labelled(computed(scenario_of(scenario), progress)))
+    return with_band(labelled(computed(scenario_of(scenario), progress, sea_draws=sea_draws)))
 
 
 def image(scenario: SceneInput, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:

@@ -87,6 +87,8 @@ Slopes = Annotated[
 
 _Width = Annotated[float, Quantity("deg", ge=1, le=80)]
 
+_Level = Annotated[float, Quantity(ge=0, le=1)]
+
 
 class Elfouhaily(Record):
     """Elfouhaily et al. 1997, fully developed, at the scenario's wind."""
@@ -238,6 +240,20 @@ class Sea(Record):
     shortest_wave_m: Annotated[
         float, Quantity("m", ge=0.02, le=1000), about("length of the shortest wave that is geometry; shorter ones are facet density")
     ] = 2.0
+    uncertainty: Annotated[
+        Literal["none", "campaigns"],
+        about(
+            "campaigns: short waves drawn by the seed between two measured campaigns and Elfouhaily's model, slopes those of all waves "
+            "whatever sea.slopes says; none: the sea as specified"
+        ),
+    ] = "none"
+    short_wave_levels: Annotated[
+        tuple[_Level, _Level] | None,
+        about(
+            "for uncertainty = 'campaigns', place between the least (0) and the largest (1) saturation at 5 and at 1000 rad/m; "
+            "default: drawn by the seed"
+        ),
+    ] = None
     slopes: Annotated[Slopes, about("slope statistics of the whole sea")] = CoxMunkAnisotropic()
     spectrum: Annotated[Spectrum, about("spectrum of the waves that are geometry")] = Elfouhaily()
     glint: Annotated[Glint, about("correlation of glint")] = Glint()

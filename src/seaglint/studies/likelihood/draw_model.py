@@ -435,6 +435,8 @@ def _models(scenario: Scenario, table: WeatherTable) -> tuple[tuple[str, ...], N
 def _strongest(scenario: Scenario) -> float:
     """Return the strongest wind of the sea's slopes [m/s]."""
     law = scenario.sea.slopes
+    if scenario.sea.uncertainty != "none":
+        return NAVY_AEROSOL_WIND[1]  # the drawn short waves follow the weather's wind, whatever the longer ones
     if isinstance(law, SpectrumSlopes | FlatSlopes):
         if isinstance(law, SpectrumSlopes) and scenario.sea.spectrum.kind not in ("elfouhaily", "pierson-moskowitz", "jonswap"):
             raise ScenarioError(
