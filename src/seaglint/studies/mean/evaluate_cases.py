@@ -32,10 +32,12 @@ from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.moonlight import MEAN_MOON_DISTANCE, moon_radius, moon_to_sun
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
-from seaglint.sea.slopes.from_spectrum import nested_in
-from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics, at_least_residual
+from seaglint.sea.spectra.campaign_draws import Levels, drawn_sea
 from seaglint.studies.build.waves_and_slopes import elfouhaily
-from seaglint.studies.study_requests import AirRequest, BandsRequest, EvaluationRequest
+from seaglint.studies.sea_draws import COUNT, HIGH, LOW, SeaUnknown, levels_of, sea_line
+from seaglint.studies.study_requests import AirRequest, EvaluationRequest, MeanCasesRequest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,6 +67,10 @@ MEAN_INPUTS: Final = (
     "ifov_mrad",
 )  # fmt: skip
 
+MEAN_COLUMNS: Final = ("radiance_W_m2_sr", "apparent_temperature_K", "std_W_m2_sr")  #: Columns of the mean radiance, for each band.
+
+TABLE_SEED: Final = 1  #: Seed of the seas that are drawn for a table, a scenario's default.
+
 SCATTERED_INPUTS: Final = (
     "kind", "atmosphere", "wind_speed_m_s", "sensor_height_m", "elevation_deg", "azimuth_from_sun_deg", "solar_zenith_deg",
 )  # fmt: skip
@@ -72,7 +78,7 @@ SCATTERED_INPUTS: Final = (
 #: Units by the ending of a column's name, longer endings first.
 UNITS: Final = {"_W_m2_sr": "W m-2 sr-1", "_W_m2": "W m-2", "_K": "K", "_k": "K", "_deg": "degree", "_m_s": "m s-1", "_um": "um", "_m": "m"}
 
-SHARES: Final = ("emissivity", "tau_mean")  #: Columns without a unit.
+SHARES: Final = ("emissivity", "tau_mean", COUNT)  #: Columns without a unit.
 
 _CHUNK: Final = 1024  #: Rows at a time: their spectra (2 MB each) stay near the processor.
 
@@ -298,8 +304,30 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
     return {"emissivity": values, **({EXTRAPOLATED: _marks({"wind_speed_m_s": beyond})} if extrapolate else {})}
 
 
-@documented(BandsRequest)
-def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
+def drawn_slopes(levels: Levels, speed: float, towards: float, directed: bool) -> SlopeStatistics:
+    """Return the slopes of a drawn sea at a wind at 10 m towards an azimuth [rad]; in an isotropic sea all directions have their mean."""
+    along = _drawn_along(levels, speed)
+    if directed:
+        return replace(along, wind_to_azimuth=towards)
+    return SlopeStatistics(0.5 * along.mss, 0.5 * along.mss)
+
+
+@lru_cache(maxsize=4096)
+def _drawn_along(levels: Levels, speed: float) -> SlopeStatistics:
+    """Return the slopes of a drawn sea with longer waves of Elfouhaily's spectrum along and across the wind."""
+    sea = drawn_sea(speed, levels, 0.0, elfouhaily(speed, 0.0)) if speed > 0.0 else None
+    return nested_in(at_least_residual(SlopeStatistics(0.0, 0.0) if sea is None else spectrum_slopes(sea)), sea)
+
+
+@documented(MeanCasesRequest)
+def evaluate_mean(
+    cases: Cases,
+    bands: Sequence[NamedBand],
+    *,
+    extrapolate: bool = False,
+    sea_draws: int | None = None,
+    progress: Progress | None = None,
+) -> Columns:
     """Compute the mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
 
     Cox-Munk slopes of the wind at 10 m, isotropic where it has no direction, salt water, both legs shadowed, Sun at 1 au, cells of glint
@@ -319,7 +347,9 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     Returns
     -------
     dict
-        Per band ``radiance_W_m2_sr``, ``apparent_temperature_K``, ``std_W_m2_sr``.
+        Per band ``radiance_W_m2_sr``, ``apparent_temperature_K``, ``std_W_m2_sr``; with ``sea_draws`` of each also
+        ``..._sea_unknown_low`` and ``..._sea_unknown_high``, and the column ``sea_draws``. The seas are drawn with the seed
+        ``TABLE_SEED``, at the wind of each row; between rows their levels are the same.
 
     Raises
     ------
@@ -354,10 +384,11 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
         moons[:, i] = _angles(cases, name, lowest, highest) if moonlit else 0.0
     length = correlation_length(CORRELATION_TIME)
     water = hale_querry_sea()
+    levels = [] if sea_draws is None else levels_of(TABLE_SEED, sea_draws)
+    # Both ends of the interval follow the value, as a reader of the table expects them.
+    endings = ("", *((f"_{LOW}", f"_{HIGH}") if levels else ()))
     columns = {
-        f"{quantity}[{band.label}]": np.empty(len(cases))
-        for band in bands
-        for quantity in ("radiance_W_m2_sr", "apparent_temperature_K", "std_W_m2_sr")
+        f"{quantity}{ending}[{band.label}]": np.empty(len(cases)) for band in bands for quantity in MEAN_COLUMNS for ending in endings
     }
     done, total = 0, len(cases) * len(bands)
     for band in bands:
@@ -382,16 +413,25 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith, moon=moon)
                 # What costs most, the table of the sky, is that of the air alone.
                 of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
-                components = mean_radiance(view, -depression[rows], [towards], of_kelvin)
-                variance = sea_variance(view, components, -depression[rows], ifov[rows] ** 2, length)
-                columns[f"radiance_W_m2_sr[{band.label}]"][rows] = components.total[:, 0]
-                columns[f"apparent_temperature_K[{band.label}]"][rows] = apparent_temperature(
-                    components.total[:, 0], band.band, air.wavenumber_cm
-                )
-                columns[f"std_W_m2_sr[{band.label}]"][rows] = np.sqrt(variance[:, 0])
+
+                def results(seen: SeaView) -> tuple[FloatArray, FloatArray, FloatArray]:
+                    components = mean_radiance(seen, -depression[rows], [towards], of_kelvin)
+                    variance = sea_variance(seen, components, -depression[rows], ifov[rows] ** 2, length)
+                    radiance = components.total[:, 0]
+                    return radiance, apparent_temperature(radiance, band.band, air.wavenumber_cm), np.sqrt(variance[:, 0])
+
+                for quantity, values in zip(MEAN_COLUMNS, results(view), strict=True):
+                    columns[f"{quantity}[{band.label}]"][rows] = values
+                if levels:
+                    to = float(travel_azimuth(origin))
+                    seas = (replace(view, slopes=drawn_slopes(level, speed, to, kind != SLOPE_KINDS[0])) for level in levels)
+                    for quantity, drawn in zip(MEAN_COLUMNS, zip(*map(results, seas), strict=True), strict=True):
+                        ends = SeaUnknown.of(np.array(drawn))
+                        columns[f"{quantity}_{LOW}[{band.label}]"][rows] = ends.low
+                        columns[f"{quantity}_{HIGH}[{band.label}]"][rows] = ends.high
                 done += rows.size
     _report(progress, done, total)
-    return {**columns, **marks}
+    return {**columns, **({COUNT: np.full(len(cases), sea_draws)} if levels else {}), **marks}
 
 
 @documented(AirRequest)
@@ -468,6 +508,17 @@ def evaluate_scattered(
         done += rows.size * len(bands)
     _report(progress, done, total)
     return {**columns, **({EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {})}
+
+
+def widest_sea_lines(columns: Columns) -> list[str]:
+    """Return the interval 'sea unknown' of the radiance, of the row of each band where it is widest, in plain words; empty without one."""
+    lines, (quantity, unit) = [], (MEAN_COLUMNS[0], "W m-2 sr-1")
+    for label in [name.removeprefix(f"{quantity}_{LOW}") for name in columns if name.startswith(f"{quantity}_{LOW}")]:
+        value, low, high = (np.asarray(columns[f"{quantity}{ending}{label}"]) for ending in ("", f"_{LOW}", f"_{HIGH}"))
+        row = int(np.argmax((high - low) / value))
+        line = sea_line(float(low[row]), float(high[row]), int(np.asarray(columns[COUNT])[row]), unit=unit)
+        lines.append(f"widest in row {row + 1}, {label.strip('[]')} um, radiance {value[row]:.4g} {unit}; {line}")
+    return lines
 
 
 def _model_of(key: Hashable) -> str:
@@ -580,5 +631,6 @@ def _plain(cells: list[str]) -> Any:
 
 def _about(name: str) -> dict[str, str]:
     """Return the attributes of a column, its units by the ending of the name."""
-    unit = "1" if name in SHARES else next((unit for ending, unit in UNITS.items() if name.endswith(ending)), None)
+    quantity = name.removesuffix(f"_{LOW}").removesuffix(f"_{HIGH}")
+    unit = "1" if name in SHARES else next((unit for ending, unit in UNITS.items() if quantity.endswith(ending)), None)
     return {} if unit is None else {"units": unit}
