@@ -21,6 +21,7 @@ from seaglint.sea.spectra.campaign_draws import (
     short_wave_bounds,
 )
 from seaglint.sea.spectra.campaigns import campaign_spectrum, campaign_winds
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.spectra.saturation_table import elfouhaily_or_calm
@@ -198,3 +199,19 @@ def test_values_outside_are_refused_in_one_line(build, text):
 def test_a_spectrum_of_short_waves_alone_has_no_longer_part():
     short = ElfouhailySpectrum(0.5)  # begins at 4.6 rad/m
     assert LongWaves(short).wavenumber_range == pytest.approx((short.wavenumber_range[0], LONGEST))
+
+
+@pytest.mark.parametrize("wind", [0.3, 2.0, 7.0, 15.0])
+@pytest.mark.parametrize("swell", [False, True])
+def test_the_table_of_slopes_agrees_with_the_quadrature_of_every_spectrum(wind, swell):
+    """Two routes: the table of this spectrum, and the panels that the interface integrates for any spectrum."""
+    longer = JonswapSpectrum(1.5, 11.0, 0.9, wind_to_azimuth=0.3) if swell else ElfouhailySpectrum(max(wind, 0.5), 0.3)
+    sea = drawn_sea(wind, Levels(0.2, 0.9), 0.3, longer, directed=not swell)
+    total = sum(DirectionalSpectrum.mss(sea))
+    for k_min, k_max in ((0.0, np.inf), (0.0, 3.3), (3.0, 4.1), (17.0, 23.0), (100.0, 700.0), (900.0, 5000.0)):
+        # 2e-5 of the total: cubic between some 250 wavenumbers
+        assert sea.mss(k_max, k_min) == pytest.approx(DirectionalSpectrum.mss(sea, k_max, k_min), abs=2e-5 * total)
+        expected = DirectionalSpectrum.slope_covariance(sea, k_max, k_min)
+        assert sea.slope_covariance(k_max, k_min) == pytest.approx(expected, abs=2e-5 * total)
+    with pytest.raises(DomainError, match="must not be negative"):
+        sea.mss(-1.0)

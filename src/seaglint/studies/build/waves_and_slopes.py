@@ -211,7 +211,7 @@ def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics
     """Return the slope statistics by the scenario's slope law, which may be the spectrum of its waves."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     if scenario.sea.uncertainty != "none":
-        drawn = _all_drawn(scenario)
+        drawn = _all_drawn(scenario) if isinstance(scenario.sea.spectrum, FlatSea) else sea
         # A sea without wind still has residual slopes, as the fits of Cox and Munk have.
         return at_least_residual(SlopeStatistics(0.0, 0.0, to) if drawn is None else spectrum_slopes(drawn))
     match scenario.sea.slopes:

@@ -362,6 +362,13 @@ class LikelihoodModel:
         top = min(_strongest(self.scenario), wind)
         return self if top <= self.winds[1] else replace(self, winds=(self.winds[0], top))
 
+    def of_sea(self, scenario: Scenario) -> LikelihoodModel:
+        """Return the model for a scenario that differs in its sea's short waves alone; all but the slopes is shared."""
+        new = replace(self, scenario=scenario)
+        # What the other sea has not computed yet is computed by each: its tables of the Moon cost the most, and a scenario without has none.
+        new.__dict__.update({name: value for name, value in self.__dict__.items() if name in (*_SHARED, "_air") and name != "seas"})
+        return new
+
     def of_months(self, months: tuple[int, ...]) -> LikelihoodModel:
         """Return the model for other months; tables of air and sea are shared."""
         settings = self.settings.model_copy(update={"months": months})
