@@ -1,4 +1,4 @@
-"""Functions ``sg.evaluate``: results for many cases at once, a case a row of a table."""
+"""Functions ``sg.evaluate``: results for many cases at once, a case a row of a table, and slope variances of a sea by band."""
 
 from __future__ import annotations
 
@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from seaglint.base.errors import DataError
 from seaglint.base.parameters import documented
-from seaglint.studies.study_requests import AirRequest, EvaluationRequest, MeanCasesRequest
+from seaglint.studies.study_requests import AirRequest, EvaluationRequest, MeanCasesRequest, SlopesRequest
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from seaglint.api.inputs_and_results import SceneInput
     from seaglint.base.conventions import Progress
 
     CasesInput = str | Path | Mapping[str, Sequence[Any]] | xr.Dataset | Any
 
-__all__ = ["atmosphere", "emissivity", "mean", "scattered"]
+__all__ = ["atmosphere", "emissivity", "mean", "scattered", "slopes"]
 
 
 @documented(AirRequest)
@@ -220,6 +221,39 @@ def scattered(
     from seaglint.studies.mean.evaluate_cases import evaluate_scattered
 
     return _evaluated(cases, partial(evaluate_scattered, bands=_bands(bands), levels=levels), extrapolate, output, overwrite, progress)
+
+
+@documented(SlopesRequest)
+def slopes(scenario: SceneInput, *, bands: Sequence[float] = (1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0, 1000.0)) -> xr.Dataset:
+    """Slope variance of a scenario's sea by bands of the wavenumber.
+
+    Parameters
+    ----------
+    {request}
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``band``, with ``k_min_rad_m`` and ``k_max_rad_m``: ``drawn_up``, ``drawn_cross`` (waves that are geometry), ``facets_up``,
+        ``facets_cross`` (slope law minus drawn), ``spectrum_up``, ``spectrum_cross`` [1]; attributes with the same of the whole sea.
+
+    Raises
+    ------
+    SeaglintError
+        Edges that are fewer than two, negative or not ascending; a scenario that cannot be used.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> scene = {"wind": {"speed_m_s": 8}, "sea": {"spectrum": {"kind": "asit-2019"}}}
+    >>> bands = sg.evaluate.slopes(scene, bands=[20, 100, 1000])
+    >>> bands.facets_up.round(4).values.tolist()
+    [0.0057, 0.0028]
+    """
+    from seaglint.api.inputs_and_results import scenario_of
+    from seaglint.studies.mean.slope_bands import slope_bands
+
+    return slope_bands(scenario_of(scenario), tuple(bands)).dataset()
 
 
 def _bands(bands: Sequence[str | tuple[float, float]]) -> Any:

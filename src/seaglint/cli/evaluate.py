@@ -1,4 +1,4 @@
-"""Commands ``seaglint evaluate ...``: they add columns of results to a CSV file of cases."""
+"""Commands ``seaglint evaluate ...``: columns of results for a CSV file of cases, and slope variances of a scenario's sea by band."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import log
-from seaglint.cli.terminal.options import LateProgressOption
+from seaglint.cli.terminal.messages import log, naming_file, print_json, print_lines, show_logs
+from seaglint.cli.terminal.options import AsJson, LateProgressOption
 from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 from seaglint.cli.terminal.record_options import takes_records
-from seaglint.studies.study_requests import AirRequest, EvaluationRequest, MeanCasesRequest
+from seaglint.studies.study_requests import AirRequest, EvaluationRequest, MeanCasesRequest, SlopesRequest
 
 if TYPE_CHECKING:
     from seaglint.studies.mean.evaluate_cases import Columns
@@ -119,3 +119,25 @@ def scattered(cases: CasesFile, output: Output, request: AirRequest, show: LateP
     from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
 
     _run(cases, output, request, show, partial(evaluate_scattered, bands=parse_bands(request.bands), levels=request.levels))
+
+
+@evaluate.command()
+@takes_records(order="scenario bands")
+def slopes(request: SlopesRequest, as_json: AsJson = False) -> None:
+    """Slope variance of a scenario's sea by bands of the wavenumber.
+
+    Columns, up and across the wind: drawn (waves that are geometry), facets (slope law minus drawn), spectrum (all waves of sea.spectrum).
+    A spectrum may have waves outside the bands: the last line has the whole sea.
+    """
+    _one_thread()
+    from seaglint.scenario.load import load_scenario
+    from seaglint.studies.mean.slope_bands import slope_bands
+
+    show_logs()
+    loaded = load_scenario(request.scenario)
+    with naming_file(request.scenario, loaded):
+        result = slope_bands(loaded, request.bands)
+    if as_json:
+        print_json(result.as_dict())
+    else:
+        print_lines(result.lines())

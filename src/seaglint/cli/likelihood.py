@@ -24,7 +24,8 @@ _BEST_FILES = ("best_looks.json", "best_looks.csv", "best_looks.png")
 
 
 @takes_records(
-    order="scenario output as_json by_month step track forecast wind_spread cover_spread best date sea_draws overwrite show workers dask dask_slurm"
+    order="scenario output as_json by_month step track forecast wind_spread cover_spread best date "
+    "sea_draws overwrite show workers dask dask_slurm"
 )
 def likelihood(
     scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with a table [likelihood]")],

@@ -282,6 +282,26 @@ PRESETS: Final[dict[str, Preset]] = {
         ),
         {"sea": {"spectrum": {"kind": "systems", "systems": [_SWELL, {"kind": "elfouhaily"}]}}},
     ),
+    "asit-2019": Preset(
+        "a measured sea: the Air-Sea Interaction Tower, 2019",
+        (
+            "Saturation of waves of 0.003 to 1378 rad/m at 19 winds of 2.69 to 17.6 m/s, interpolated in the wind, in geometry and facets",
+            "(repository unh-cassll/wind-wave-directionality-paper; method of Laxague et al. 2025, doi 10.1109/TGRS.2025.3538460).",
+            "The authors state that short waves are underresolved. 'radyo-2008' differs below 2 cm by eight to nineteen times: which sea",
+            "is right is not known. 'seaglint evaluate slopes' lists the slope variances by band.",
+        ),
+        {"sea": {"spectrum": {"kind": "asit-2019"}}},
+    ),
+    "radyo-2008": Preset(
+        "a measured sea: RaDyO, Santa Barbara Channel, 2008",
+        (
+            "Slope variances in bands of 20 to 1000 rad/m, medians of classes of wind of 1.73 to 9.24 m/s, in geometry and facets; longer",
+            "waves are those of Elfouhaily's spectrum (repository unh-cassll/polarimetry-subpixel-variability; Laxague et al. 2025,",
+            "doi 10.1109/TGRS.2025.3538460). 'asit-2019' differs below 2 cm by eight to nineteen times: which sea is right is not known.",
+            "'seaglint evaluate slopes' lists the slope variances by band.",
+        ),
+        {"sea": {"spectrum": {"kind": "radyo-2008"}}},
+    ),
     "furnace": Preset(
         "everything at one temperature: the picture must be flat",
         ("A closed isothermal cavity looks like a blackbody whatever its walls are: the test scene of every thermal renderer.",),

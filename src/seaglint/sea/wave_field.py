@@ -309,6 +309,25 @@ class WaveField:
             cross += float(np.sum(energy * across**2))
         return up, cross
 
+    def band_mss(self, k_min: float, k_max: float) -> tuple[float, float]:
+        """Ensemble slope variance along and across the wind of the waves with k_min <= k < k_max [1].
+
+        A lattice wave has the energy of its cell; of a cell cut by an edge of the band its part inside counts.
+        """
+        up = cross = 0.0
+        s, c = np.sin(self.spectrum.wind_to_azimuth), np.cos(self.spectrum.wind_to_azimuth)
+        for tile, waves in zip(self.tiles, self._lattices, strict=True):
+            low, high = max(tile.k_min, k_min), min(tile.k_max, k_max)
+            if low < high:
+                q, p = np.meshgrid(*_lattice_numbers(tile), indexing="ij")
+                along, against = _variances(self.spectrum, replace(tile, k_min=low, k_max=high), p, q)
+                energy = along + against
+                # the lower half of the column u = 0 repeats its upper half
+                energy[p.shape[1] :, 0] = 0.0
+                up += float(np.sum(energy * (waves.k_east * s + waves.k_north * c) ** 2))
+                cross += float(np.sum(energy * (waves.k_east * c - waves.k_north * s) ** 2))
+        return up, cross
+
     def resolved_covariance(self) -> float:
         """Ensemble covariance of the slopes along and to the right of the wind [1].
 

@@ -89,9 +89,7 @@ def with_seas(scenario: Scenario, levels: Sequence[Levels]) -> list[Scenario]:
     """Return the scenario with seas of some levels; see ``sea_draws``."""
     require_drawn(scenario)
     return [
-        scenario.model_copy(
-            update={"sea": scenario.sea.model_copy(update={"uncertainty": "campaigns", "short_wave_levels": tuple(level)})}
-        )
+        scenario.model_copy(update={"sea": scenario.sea.model_copy(update={"uncertainty": "campaigns", "short_wave_levels": tuple(level)})})
         for level in levels
     ]
 

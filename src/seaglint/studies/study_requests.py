@@ -30,10 +30,10 @@ MOST_SEAS: Final = 1000  #: Largest number of drawn seas: more change no end of 
 SeaDraws = Annotated[
     int | None,
     Parameter(
-        "compute with N more seas between two measured campaigns and Elfouhaily's model; adds the interval 'sea unknown', 5 to 95 % of them",
+        "also compute N seas between two measured campaigns and Elfouhaily's model, and give the interval 'sea unknown', 5 to 95 % of them",
         metavar="N",
-        python="Number of further seas between two measured campaigns and Elfouhaily's model, over which the interval 'sea unknown' is given, "
-        "5 to 95 % of them. Their slopes are those of their waves, whatever ``sea.slopes`` says; 2 or more.",
+        python="Number of further seas between two measured campaigns and Elfouhaily's model, of which the interval 'sea unknown' is "
+        "given, 5 to 95 % of them. Their slopes are those of their waves, whatever ``sea.slopes`` says; 2 or more.",
     ),
 ]
 
@@ -320,6 +320,19 @@ class MeanRequest:
     def __post_init__(self) -> None:
         """Refuse numbers that are not allowed."""
         require_sea_draws(self.sea_draws)
+
+
+@dataclass(frozen=True)
+class SlopesRequest:
+    """Request to list the slope variances of a scenario's sea by bands of the wavenumber."""
+
+    scenario: Annotated[
+        Path, Parameter("scenario file; 'seaglint init my.toml' writes one", metavar="SCENARIO.toml", python="See :func:`sg.load`.")
+    ]
+    bands: Annotated[tuple[float, ...], Parameter("edges of the bands in rad/m, ascending", form="numbers", metavar="K,K,...")] = (
+        *(1.0, 5.0, 10.0, 20.0),
+        *(50.0, 100.0, 300.0, 1000.0),
+    )
 
 
 @dataclass(frozen=True)

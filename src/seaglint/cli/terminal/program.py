@@ -206,6 +206,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "evaluate atmosphere": (*_AIR, "seaglint evaluate atmosphere air.csv --band 3.5-5.0 -o air-out.csv"),
     "evaluate emissivity": (_ANGLES, "seaglint evaluate emissivity angles.csv -o emissivity.csv"),
     "evaluate mean": (*_VIEWS, "seaglint evaluate mean views.csv --band 3.5-5.0 -o views-out.csv"),
+    "evaluate slopes": (_SCENE, "seaglint evaluate slopes example.toml --bands 5,20,100,1000"),
     "evaluate scattered": (*_LINES, "seaglint evaluate scattered lines.csv --band 3.5-5.0 -o lines-out.csv"),
     "atmosphere": (_SCENE, "seaglint atmosphere export example.toml -o atmosphere.nc"),
     "atmosphere export": (_SCENE, "seaglint atmosphere export example.toml -o air.nc"),

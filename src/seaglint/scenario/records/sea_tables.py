@@ -5,9 +5,9 @@ Each kind of slope statistics (``[sea.slopes]``) and of wave spectra (``[sea.spe
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Final, Literal, Self
 
-from pydantic import Field, StrictBool, ValidationInfo, field_validator
+from pydantic import Field, StrictBool, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from seaglint.base.limits import BREON_HENRIOT_WIND, COX_MUNK_SLICK_WIND, COX_MUNK_WIND, WIND_PROFILE
@@ -168,13 +168,70 @@ class SpectrumFile(Record):
         return longitude
 
 
+class MeasuredWaves(Record):
+    """A measured wavenumber spectrum, joined to a model of longer and shorter waves."""
+
+    kind: str  # the kind stands first among the keys of a table
+    longer_waves: Annotated[
+        Literal["elfouhaily", "cut"], about("waves longer than the measured ones: elfouhaily: of Elfouhaily's spectrum; cut: none")
+    ] = "elfouhaily"
+    shorter_waves: Annotated[
+        Literal["cut", "elfouhaily"],
+        about("waves shorter than the measured ones: cut: none; elfouhaily: of Elfouhaily's spectrum, down to its capillary cut-off"),
+    ] = "cut"
+    from_deg: Annotated[Azimuth | None, about("mean azimuth the waves come FROM; default: that of the wind")] = None
+    spreading_deg: Annotated[
+        _Width | None,
+        about(
+            "width of their directions (circular standard deviation), where they are not measured; default: those of Elfouhaily's spectrum"
+        ),
+    ] = None
+
+
+class AsitSea(MeasuredWaves):
+    """Sea of the Air-Sea Interaction Tower, 2019, at the scenario's wind (2.69 to 17.6 m/s), to 1378 rad/m."""
+
+    kind: Literal["asit-2019"] = "asit-2019"
+
+
+class RadyoSea(MeasuredWaves):
+    """Sea of RaDyO, Santa Barbara Channel, 2008, at the scenario's wind (1.73 to 9.24 m/s), 20 to 1000 rad/m."""
+
+    kind: Literal["radyo-2008"] = "radyo-2008"
+
+
+READY_SEAS: Final = ("asit-2019", "radyo-2008")  #: Kinds of measured seas whose tables are in the package.
+
+
+class WavenumberFile(MeasuredWaves):
+    """A measured wavenumber spectrum from a file, of one wind or several."""
+
+    kind: Literal["wavenumber-file"] = "wavenumber-file"
+    path: Annotated[
+        InputFileOrStore,
+        about(
+            "CSV or NetCDF with wavenumber_rad_m or wavenumber_cycles_m, one of saturation, elevation_m3, slope_m, and optionally "
+            "wind_speed_m_s, delta or half_width_deg"
+        ),
+    ]
+
+    @field_validator("path", mode="before")
+    @classmethod
+    def _is_a_file(cls, path: Any) -> Any:
+        if str(path) in READY_SEAS:
+            text = f"is a measured sea of the package and no file; set kind = '{path}' and leave path out"
+            raise PydanticCustomError("quantity", "{text}", {"text": text})
+        return path
+
+
 class FlatSea(Record):
     """No waves."""
 
     kind: Literal["flat"] = "flat"
 
 
-System = Elfouhaily | PiersonMoskowitz | Jonswap | SpectrumFile  #: What can be one of several.
+#: What can be one of several.
+System = Elfouhaily | PiersonMoskowitz | Jonswap | SpectrumFile | WavenumberFile | AsitSea | RadyoSea
 
 
 class WaveSystems(Record):
@@ -254,7 +311,23 @@ class Sea(Record):
             "default: drawn by the seed"
         ),
     ] = None
-    slopes: Annotated[Slopes, about("slope statistics of the whole sea")] = CoxMunkAnisotropic()
+    slopes: Annotated[
+        Slopes, about("slope statistics of the whole sea; a measured wavenumber spectrum has its own by default: kind = 'spectrum'")
+    ] = CoxMunkAnisotropic()
     spectrum: Annotated[Spectrum, about("spectrum of the waves that are geometry")] = Elfouhaily()
     glint: Annotated[Glint, about("correlation of glint")] = Glint()
     foam: Annotated[Foam | None, about("foam of breaking waves; without it the sea has none")] = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _an_empty_table_states_no_slopes(cls, raw: Any) -> Any:
+        return {key: value for key, value in raw.items() if key != "slopes"} if isinstance(raw, dict) and raw.get("slopes") == {} else raw
+
+    @model_validator(mode="after")
+    def _measured_waves_bring_their_slopes(self) -> Self:
+        table = self.spectrum
+        systems = table.systems if isinstance(table, WaveSystems) else (table,)
+        if "slopes" not in self.model_fields_set and any(isinstance(system, MeasuredWaves) for system in systems):
+            # Set without marking the key as stated, so that a file written from this scenario leaves it out.
+            self.__dict__["slopes"] = SpectrumSlopes()
+        return self

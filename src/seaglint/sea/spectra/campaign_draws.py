@@ -1,15 +1,16 @@
 """Short waves between those of two measured campaigns and a model: how far the sea itself is unknown at one wind.
 
 Least and largest saturation ``B = k^3 S`` of three seas bound the short waves of a wind: the Air-Sea Interaction Tower 2019, RaDyO 2008
-(:mod:`seaglint.sea.spectra.campaigns`, from 20 rad/m) and Elfouhaily et al. 1997. A sea between them has two numbers of 0 to 1, its levels at
-``k_1`` and ``k_2``, between which the level is linear in the logarithm of the wavenumber:
+(:mod:`seaglint.sea.spectra.campaigns`, from 20 rad/m) and Elfouhaily et al. 1997. A sea between them has two numbers of 0 to 1, its levels
+at ``k_1`` and ``k_2``, between which the level is linear in the logarithm of the wavenumber:
 
     B(k) = B_min(k)^(1 - u(k)) B_max(k)^u(k),     u = u_long + (u_short - u_long) ln(k/k_1)/ln(k_2/k_1)
 
-With even ``u_long`` and ``u_short`` the saturation is log-uniform between the bounds at ``k_1`` and ``k_2``; between them the levels of two
-wavenumbers have the correlation :func:`level_correlation`, and less spread (1/sqrt(2) of it in the middle). Waves longer than ``k_1/2`` are
-a given spectrum's; from there to ``k_1`` one passes to the other, linearly in ln k. Waves shorter than ``k_2`` fall off as the short waves of
-Elfouhaily's model do by surface tension and viscosity (Eq. 40): ``B = B(k_2) c(k_2)/c(k) exp{[(k_2/k_m - 1)^2 - (k/k_m - 1)^2]/4}``.
+With even ``u_long`` and ``u_short`` the saturation is log-uniform between the bounds at ``k_1`` and ``k_2``; between them the levels of
+two wavenumbers have the correlation :func:`level_correlation`, and less spread (1/sqrt(2) of it in the middle). Waves longer than
+``k_1/2`` are a given spectrum's; from there to ``k_1`` one passes to the other, linearly in ln k. Waves shorter than ``k_2`` fall off as
+the short waves of Elfouhaily's model do by surface tension and viscosity (Eq. 40):
+``B = B(k_2) c(k_2)/c(k) exp{[(k_2/k_m - 1)^2 - (k/k_m - 1)^2]/4}``.
 
 At winds outside a campaign's its saturation is the saturation of its nearest wind, in proportion to the wind, as Cox and Munk's slope
 variances are. Elfouhaily's ratio is not used for this: its slope variance beyond 5 rad/m falls from 0.018 to 0.014 between 1 and 2.7 m/s.
@@ -72,8 +73,8 @@ class Bounds(NamedTuple):
 def drawn_levels(seed: int, draw: int = 0, draws: int = 1) -> Levels:
     """Return the levels of one of several seas.
 
-    Each level is even over 0 to 1, and of ``draws`` seas each ``1/draws`` of this range holds one (Latin hypercube): a quantile over few seas
-    then varies less between seeds than that of independent ones.
+    Each level is even over 0 to 1, and of ``draws`` seas each ``1/draws`` of this range holds one (Latin hypercube): a quantile over few
+    seas then varies less between seeds than a quantile of independent ones.
 
     Parameters
     ----------

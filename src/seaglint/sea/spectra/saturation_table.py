@@ -134,9 +134,10 @@ class SaturationTable:
                     allowed="elfouhaily",
                 )
             speed = wind if row.wind is None else row.wind
-            model = elfouhaily_or_calm(speed, to)
-            given = row.delta is not None or row.half_width is not None or width is not None
-            # Without directions the table has Elfouhaily's; of no wind those of the lightest, which hold little of the energy.
+            given = self.has_directions or width is not None
+            # a table with directions and both ends cut holds at winds outside the model's too
+            model = elfouhaily_or_calm(speed, to) if not given or "elfouhaily" in (longer, shorter) else None
+            # without wind the directions of the lightest
             like = None if given else 2.0 * (model or ElfouhailySpectrum(VALID_WIND[0], to)).second_harmonic(row.wavenumber)
             wide = None if row.half_width is None else width_of_half(row.half_width)
             parts.append(

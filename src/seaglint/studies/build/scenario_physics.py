@@ -54,8 +54,9 @@ from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 from seaglint.sea.wave_field import WaveField
+from seaglint.studies.build.measured_waves import Waves
 from seaglint.studies.build.profile_air import ComputedAir, profile_atmosphere, program_sounding
-from seaglint.studies.build.waves_and_slopes import Waves, drawn_sea_facts, slopes, waves
+from seaglint.studies.build.waves_and_slopes import drawn_sea_facts, slopes, waves
 
 
 def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: str) -> Track:

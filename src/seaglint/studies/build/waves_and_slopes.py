@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import lru_cache
 from typing import Final, assert_never
 
@@ -30,17 +30,13 @@ from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
+from seaglint.studies.build.measured_waves import Waves, has_winds, measured_waves
+
+FEW_SLOPES: Final = 0.6  #: Slope variance of a spectrum over that of Cox and Munk's fit below which short waves are missing.
+
+log = logging.getLogger(__name__)
 
 _FILE_KEYS: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file's table that only the file can find wrong
-
-
-@dataclass(frozen=True)
-class Waves:
-    """A spectrum, None for a sea without waves, and the sources of spectra from files."""
-
-    spectrum: DirectionalSpectrum | None
-    #: For the provenance, one for every file: format, time, place, and their distances from the requested time and place.
-    sources: tuple[JsonObject, ...] = ()
 
 
 def waves(scenario: Scenario) -> Waves:
@@ -56,7 +52,7 @@ def waves(scenario: Scenario) -> Waves:
     specified = _specified(scenario)
     if scenario.sea.uncertainty == "none" or isinstance(scenario.sea.spectrum, FlatSea):
         return specified
-    return Waves(_drawn(scenario, specified.spectrum), specified.sources)
+    return replace(specified, spectrum=_drawn(scenario, specified.spectrum))
 
 
 def _specified(scenario: Scenario) -> Waves:
@@ -65,6 +61,7 @@ def _specified(scenario: Scenario) -> Waves:
         case requested_sea.FlatSea():
             return Waves(None)
         case requested_sea.WaveSystems(systems=systems):
+            _report_two_wind_seas(systems)
             parts = [_system(scenario, system, f"sea.spectrum.systems[{i}]") for i, system in enumerate(systems)]
             spectra = tuple(part.spectrum for part in parts if part.spectrum is not None)
             return Waves(CombinedSpectrum(spectra) if spectra else None, tuple(source for part in parts for source in part.sources))
@@ -93,7 +90,7 @@ def levels(scenario: Scenario) -> Levels:
 def _drawn(scenario: Scenario, longer: DirectionalSpectrum | None) -> DirectionalSpectrum | None:
     """Return a sea with drawn short waves and the longer ones of a spectrum."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
-    return drawn_sea(speed, levels(scenario), to, longer, directed=has_wind_sea(scenario))
+    return drawn_sea(speed, levels(scenario), to, longer, directed=has_wind_sea(scenario) or _is_measured(scenario))
 
 
 def _all_drawn(scenario: Scenario) -> DirectionalSpectrum | None:
@@ -118,6 +115,20 @@ def drawn_sea_facts(scenario: Scenario) -> JsonObject:
     }
 
 
+@lru_cache(maxsize=64)
+def _report_two_wind_seas(systems: tuple[requested_sea.System, ...]) -> None:
+    """Report once a measured sea that is joined to a model of the wind sea beside another wind sea."""
+    joined = [system.kind for system in systems if isinstance(system, requested_sea.MeasuredWaves) and system.longer_waves == "elfouhaily"]
+    models = [system.kind for system in systems if isinstance(system, requested_sea.Elfouhaily | requested_sea.PiersonMoskowitz)]
+    if joined and models:
+        log.warning(
+            "seaglint: sea.spectrum.systems: '%s' continues with the wind sea of Elfouhaily's spectrum and '%s' is a wind sea too: their "
+            "energies add; set longer_waves = 'cut', or leave one out",
+            joined[0],
+            models[0],
+        )
+
+
 def _system(scenario: Scenario, system: requested_sea.System, key: str) -> Waves:
     """Return the waves of one system, whose table has the dotted name ``key``."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
@@ -126,6 +137,8 @@ def _system(scenario: Scenario, system: requested_sea.System, key: str) -> Waves
             return _file(scenario, system, to, key)
         case requested_sea.Jonswap():
             return Waves(_jonswap(system, to, key))
+        case requested_sea.AsitSea() | requested_sea.RadyoSea() | requested_sea.WavenumberFile():
+            return measured_waves(system, speed, to, key)
         # Order matters: files and JONSWAP have waves without wind; the models of the wind sea below do not.
         case _ if speed == 0.0:
             return Waves(None)  # no wind, no wind sea
@@ -184,11 +197,6 @@ def _mistake(key: str, text: str, error: DomainError) -> ScenarioError:
     return ScenarioError(text, mistakes=(Mistake(key, error.value, error.allowed, text),))
 
 
-log = logging.getLogger(__name__)
-
-FEW_SLOPES: Final = 0.6  #: Slope variance of a spectrum over that of Cox and Munk's fit below which short waves are missing.
-
-
 def slopes(scenario: Scenario) -> SlopeStatistics:
     """Return the slope statistics of the whole sea, with the covariances of longer waves; isotropic laws have no direction."""
     sea = spectrum(scenario)
@@ -198,8 +206,19 @@ def slopes(scenario: Scenario) -> SlopeStatistics:
         return statistics
     if statistics.directed is None or statistics.directed >= 1.0:
         return statistics if sea is None else _nested(statistics, sea)
-    without_wind = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": 0.0})})
-    return _nested(statistics, sea, spectrum(without_wind))
+    return _nested(statistics, sea, spectrum(_without_wind(scenario)))
+
+
+def _without_wind(scenario: Scenario) -> Scenario:
+    """Return the scenario without wind and without the measured waves of winds."""
+    table = scenario.sea.spectrum
+    systems = table.systems if isinstance(table, requested_sea.WaveSystems) else (table,)
+    # the wind seas of models are left out at 0 m/s anyway; measured ones have no spectrum there
+    kept = tuple(system for system in systems if not isinstance(system, requested_sea.MeasuredWaves) or not has_winds(system))
+    if len(kept) < len(systems):
+        left = requested_sea.WaveSystems(systems=kept) if kept else FlatSea()  # type: ignore[arg-type]  # of a table of systems
+        scenario = scenario.model_copy(update={"sea": scenario.sea.model_copy(update={"spectrum": left})})
+    return scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": 0.0})})
 
 
 @lru_cache(maxsize=256)
@@ -233,7 +252,7 @@ def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics
                 statistics = at_least_residual(statistics)
             if statistics.is_flat:
                 return statistics
-            _warn_of_few_slopes(statistics.mss, speed)
+            _warn_of_few_slopes(statistics.mss, speed, _is_measured(scenario))
             return statistics
         case requested_sea.FlatSlopes():
             return flat()
@@ -241,17 +260,24 @@ def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics
             assert_never(other)
 
 
+def _is_measured(scenario: Scenario) -> bool:
+    """Return true where all waves are a measured wavenumber spectrum."""
+    return isinstance(scenario.sea.spectrum, requested_sea.MeasuredWaves)
+
+
 @lru_cache(maxsize=64)
-def _warn_of_few_slopes(mss: float, speed: float) -> None:
+def _warn_of_few_slopes(mss: float, speed: float, measured: bool) -> None:
     """Report once that a spectrum lacks the short waves that carry most of the slopes."""
     # Cox and Munk's variance includes all waves, down to the shortest.
     expected = cox_munk_isotropic(speed, extrapolate=True).mss
     if mss < FEW_SLOPES * expected:
         log.warning(
             "seaglint: sea.slopes.kind = 'spectrum': all waves of sea.spectrum have a slope variance of %.2g, and the sea at %.3g m/s has "
-            "%.2g (Cox and Munk): short waves are missing, glint is too narrow and too bright; "
-            "set sea.slopes.kind = 'cox-munk-anisotropic'",
+            "%.2g (Cox and Munk): short waves are missing, glint is too narrow and too bright; %s",
             mss,
             speed,
             expected,
+            "its key shorter_waves continues it with Elfouhaily's spectrum; check the units of a file"
+            if measured
+            else "set sea.slopes.kind = 'cox-munk-anisotropic'",
         )

@@ -49,7 +49,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.moon import moon_position
 from seaglint.scenario.records.atmosphere_table import TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
-from seaglint.scenario.records.sea_tables import FlatSlopes, SpectrumSlopes
+from seaglint.scenario.records.sea_tables import FlatSlopes, MeasuredWaves, SpectrumSlopes
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.foam.coverage_laws import coverage
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
@@ -365,7 +365,7 @@ class LikelihoodModel:
     def of_sea(self, scenario: Scenario) -> LikelihoodModel:
         """Return the model for a scenario that differs in its sea's short waves alone; all but the slopes is shared."""
         new = replace(self, scenario=scenario)
-        # What the other sea has not computed yet is computed by each: its tables of the Moon cost the most, and a scenario without has none.
+        # What this model has computed is shared; the slopes alone are computed again.
         new.__dict__.update({name: value for name, value in self.__dict__.items() if name in (*_SHARED, "_air") and name != "seas"})
         return new
 
@@ -446,9 +446,11 @@ def _strongest(scenario: Scenario) -> float:
         return NAVY_AEROSOL_WIND[1]  # the drawn short waves follow the weather's wind, whatever the longer ones
     if isinstance(law, SpectrumSlopes | FlatSlopes):
         if isinstance(law, SpectrumSlopes) and scenario.sea.spectrum.kind not in ("elfouhaily", "pierson-moskowitz", "jonswap"):
+            measured = isinstance(scenario.sea.spectrum, MeasuredWaves)
+            why = "its waves are measured at some winds only" if measured else "its waves do not follow the weather's wind"
             raise ScenarioError(
-                f"sea.slopes.kind = 'spectrum' with sea.spectrum.kind = '{scenario.sea.spectrum.kind}': its waves do not follow "
-                "the weather's wind; choose a spectrum that does ('elfouhaily'), or slopes by wind"
+                f"sea.slopes.kind = 'spectrum' with sea.spectrum.kind = '{scenario.sea.spectrum.kind}': {why}; choose a spectrum that "
+                "follows every wind ('elfouhaily'), or slopes by wind (sea.slopes.kind = 'cox-munk-anisotropic')"
             )
         return WIND_PROFILE[1] if isinstance(law, FlatSlopes) else NAVY_AEROSOL_WIND[1]
     return WIND_PROFILE[1] if law.extrapolate else law.winds[1]

@@ -42,6 +42,9 @@ from seaglint.studies.study_requests import AirRequest, EvaluationRequest, MeanC
 if TYPE_CHECKING:
     import xarray as xr
 
+    from seaglint.facet.sea_view import SeaView
+    from seaglint.facet.surface_spectra import SeaSurface
+
 Columns = dict[str, FloatArray | list[str]]
 
 #: Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth.
@@ -321,12 +324,7 @@ def _drawn_along(levels: Levels, speed: float) -> SlopeStatistics:
 
 @documented(MeanCasesRequest)
 def evaluate_mean(
-    cases: Cases,
-    bands: Sequence[NamedBand],
-    *,
-    extrapolate: bool = False,
-    sea_draws: int | None = None,
-    progress: Progress | None = None,
+    cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, sea_draws: int | None = None, progress: Progress | None = None
 ) -> Columns:
     """Compute the mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
 
@@ -361,8 +359,6 @@ def evaluate_mean(
     # Numba comes with these, as above.
     from seaglint.facet.sea_view import LOWER_LIMB, BandSum, LightDisc, Moonlight, SeaView
     from seaglint.facet.surface_spectra import SeaSurface
-    from seaglint.radiance.mean_radiance import mean_radiance
-    from seaglint.radiance.variance import correlation_length, sea_variance
     from seaglint.studies.build.profile_air import model_air
 
     cases.require(MEAN_INPUTS)
@@ -382,7 +378,6 @@ def evaluate_mean(
     moons = np.zeros((len(cases), 3))
     for i, (name, lowest, highest) in enumerate(zip(MOON, (0.0, -360.0, 0.0), (180.0, 360.0, 180.0), strict=True)):
         moons[:, i] = _angles(cases, name, lowest, highest) if moonlit else 0.0
-    length = correlation_length(CORRELATION_TIME)
     water = hale_querry_sea()
     levels = [] if sea_draws is None else levels_of(TABLE_SEED, sea_draws)
     # Both ends of the interval follow the value, as a reader of the table expects them.
@@ -413,13 +408,8 @@ def evaluate_mean(
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith, moon=moon)
                 # What costs most, the table of the sky, is that of the air alone.
                 of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
-
-                def results(seen: SeaView) -> tuple[FloatArray, FloatArray, FloatArray]:
-                    components = mean_radiance(seen, -depression[rows], [towards], of_kelvin)
-                    variance = sea_variance(seen, components, -depression[rows], ifov[rows] ** 2, length)
-                    radiance = components.total[:, 0]
-                    return radiance, apparent_temperature(radiance, band.band, air.wavenumber_cm), np.sqrt(variance[:, 0])
-
+                solid_angle = ifov[rows] ** 2
+                results = partial(_mean_results, elevation=-depression[rows], azimuth=towards, surface=of_kelvin, pixel=solid_angle)
                 for quantity, values in zip(MEAN_COLUMNS, results(view), strict=True):
                     columns[f"{quantity}[{band.label}]"][rows] = values
                 if levels:
@@ -508,6 +498,19 @@ def evaluate_scattered(
         done += rows.size * len(bands)
     _report(progress, done, total)
     return {**columns, **({EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {})}
+
+
+def _mean_results(
+    view: SeaView, *, elevation: FloatArray, azimuth: float, surface: SeaSurface, pixel: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the values of ``MEAN_COLUMNS`` at elevations of one azimuth [rad], in pixels of a solid angle [sr]."""
+    from seaglint.radiance.mean_radiance import mean_radiance
+    from seaglint.radiance.variance import correlation_length, sea_variance
+
+    components = mean_radiance(view, elevation, [azimuth], surface)
+    variance = sea_variance(view, components, elevation, pixel, correlation_length(CORRELATION_TIME))
+    radiance = components.total[:, 0]
+    return radiance, apparent_temperature(radiance, view.band, view.atmosphere.wavenumber_cm), np.sqrt(variance[:, 0])
 
 
 def widest_sea_lines(columns: Columns) -> list[str]:

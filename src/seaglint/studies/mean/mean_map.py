@@ -6,7 +6,6 @@ pixel, weighted by solid angle.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import logging
 import math
@@ -31,9 +30,10 @@ from seaglint.radiance.article import article_radiance
 from seaglint.radiance.mean_radiance import NODES, MeanModel, SeaRadiance, mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.sea_tables import SpectrumFile, SpectrumSlopes
+from seaglint.scenario.records.sea_tables import MeasuredWaves, SpectrumFile, SpectrumSlopes, WavenumberFile
 from seaglint.store.provenance import band_attributes, provenance
 from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.measured_waves import digest
 from seaglint.studies.build.scenario_physics import bending, require_standard_refraction
 from seaglint.studies.build.waves_and_slopes import drawn_sea_facts, slopes
 from seaglint.studies.mean.air_contrast import air_line
@@ -147,8 +147,8 @@ def mean(scenario: Scenario, progress: Progress | None = None, *, sea_draws: int
     below the horizon. With ``[sea.foam]`` water and foam are mixed by the mean share, the attribute ``foam_share``; sunlight that foam
     reflects diffusely counts in ``glint_radiance``, and not in ``glint_std``. The mode ``article`` has no foam.
 
-    With ``sea_draws``, variables ``..._sea_low`` and ``..._sea_high`` of ``UNKNOWN`` are the values that 5 % and 95 % of so many seas between
-    the campaigns are below, pixel by pixel; the others remain those of the scenario.
+    With ``sea_draws``, variables ``..._sea_low`` and ``..._sea_high`` of ``UNKNOWN`` are the values that 5 % and 95 % of so many seas
+    between the campaigns are below, pixel by pixel; the others remain those of the scenario.
 
     Raises
     ------
@@ -199,10 +199,7 @@ def mean(scenario: Scenario, progress: Progress | None = None, *, sea_draws: int
                 stack[number] = of_sea[name]
         values |= _sea_intervals(drawn)
     return xr.Dataset(
-        {
-            name: (("y", "x"), np.asarray(image, dtype=np.float32))
-            for name, image in values.items()
-        },
+        {name: (("y", "x"), np.asarray(image, dtype=np.float32)) for name, image in values.items()},
         coords={**pixel_directions(azimuth, elevation), **pose_at(track, 0.0)},
         attrs=provenance(
             "Mean infrared radiance of the sea",
@@ -264,25 +261,18 @@ def _foam(view: SeaView) -> dict[str, float]:
 
 
 def _wave_file(scenario: Scenario) -> dict[str, str | int]:
-    """Return attributes on the file of waves and its use for slopes; report a file that is not used."""
+    """Return attributes on the file of waves or the measured sea, and its use for slopes; report waves that are not used."""
     spectrum = scenario.sea.spectrum
-    if not isinstance(spectrum, SpectrumFile):
+    if not isinstance(spectrum, SpectrumFile | MeasuredWaves):
         return {}
     used = isinstance(scenario.sea.slopes, SpectrumSlopes)
+    path = spectrum.path if isinstance(spectrum, SpectrumFile | WavenumberFile) else None
     if not used:
-        _log.warning("the waves of %s are not used: slopes are the wind's (sea.slopes.kind = 'spectrum' takes the waves')", spectrum.path)
+        name = spectrum.kind if path is None else path
+        _log.warning("the waves of %s are not used: slopes are the wind's (sea.slopes.kind = 'spectrum' takes the waves')", name)
     # The digest identifies the waves where the file moves or changes.
-    return {"wave_file": str(spectrum.path), "wave_file_sha256": _digest(Path(spectrum.path)), "measured_waves_used": int(used)}
-
-
-def _digest(path: Path) -> str:
-    """Return the digest of a file; of the folder of a store, of the names and contents of all its files."""
-    if path.is_file():
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    digest = hashlib.sha256()
-    for file in sorted(part for part in path.rglob("*") if part.is_file()):
-        digest.update(file.relative_to(path).as_posix().encode() + b"\0" + file.read_bytes())
-    return digest.hexdigest()
+    source = {"measured_sea": spectrum.kind} if path is None else {"wave_file": str(path), "wave_file_sha256": digest(Path(path))}
+    return {**source, "measured_waves_used": int(used)}
 
 
 def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, progress: Progress | None) -> dict[str, FloatArray]:

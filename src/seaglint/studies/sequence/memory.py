@@ -110,7 +110,7 @@ def require_memory(scenario: Scenario, oversampling: int = 1, model: SensorModel
     )
 
 
-BYTES_PER_SEA: Final = 12  #: Memory for a pixel of the maps of a drawn sea [bytes]: three numbers of four bytes.
+BYTES_PER_SEA = 12  #: Memory for a pixel of the maps of a drawn sea [bytes]: three numbers of four bytes.
 
 
 def require_mean_memory(scenario: Scenario, sights: int | None = None, seas: int = 0) -> None:
