@@ -26,16 +26,15 @@ if TYPE_CHECKING:
 
 MOST_SEAS: Final = 1000  #: Largest number of drawn seas: more change no end of an interval by more than 3 % of its width.
 
-#: Number of seas that are drawn between the campaigns; None where the sea is not varied.
-SeaDraws = Annotated[
-    int | None,
-    Parameter(
-        "also compute N seas between two measured campaigns and Elfouhaily's model, and give the interval 'sea unknown', 5 to 95 % of them",
-        metavar="N",
-        python="Number of further seas between two measured campaigns and Elfouhaily's model, of which the interval 'sea unknown' is "
-        "given, 5 to 95 % of them. Their slopes are those of their waves, whatever ``sea.slopes`` says; 2 or more.",
-    ),
-]
+#: Parameter of requests whose results have an interval over seas between the campaigns.
+SEA_DRAWS: Final = Parameter(
+    "also compute N seas between two measured campaigns and Elfouhaily's model, and give the interval 'sea unknown', 5 to 95 % of them",
+    metavar="N",
+    python="Number of further seas between two measured campaigns and Elfouhaily's model, of which the interval 'sea unknown' is "
+    "given, 5 to 95 % of them. Their slopes are those of their waves, whatever ``sea.slopes`` says; 2 or more.",
+)
+
+SeaDraws = Annotated[int | None, SEA_DRAWS]  #: Number of drawn seas; None where the sea is not varied.
 
 
 def require_sea_draws(draws: int | None, name: str = "sea_draws") -> None:

@@ -184,7 +184,7 @@ def mean(scenario: Scenario, progress: Progress | None = None, *, sea_draws: int
         if camera is not None:
             maps = _of_rows(scenario, camera, seen, length, progress)
         else:
-            maps = over_pixels(imager, pose, _components_along(scenario, seen, length), progress)
+            maps = over_pixels(imager, pose, components_along(scenario, seen, length), progress)
         # The components are disjoint: their sum is the radiance at the sensor.
         total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
         return {"radiance": total, "apparent_temperature": apparent_temperature(total, seen.band, seen.atmosphere.wavenumber_cm)} | maps
@@ -330,8 +330,8 @@ def azimuths_across(view: SeaView, step: float) -> int:
     return max(math.ceil(3.0 * step / narrowest), math.ceil(step / _WIDEST))
 
 
-def _components_along(scenario: Scenario, view: SeaView, length: float) -> Sights:
-    """Return a function for components at scattered lines of sight, with the variance of glint in place of its root."""
+def components_along(scenario: Scenario, view: SeaView, length: float) -> Sights:
+    """Return a function for components at scattered lines of sight (``Sights``), with the variance of glint in place of its root."""
     along: Callable[[FloatArray, FloatArray], SeaRadiance]
     match scenario.mean.mode:
         case "spectral":
