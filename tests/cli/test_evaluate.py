@@ -1,12 +1,14 @@
 """The evaluate commands: columns, order, refusals, and the numbers against LOWTRAN7, Wu and Smith, and the command 'mean'."""
 
 import csv
+import json
 import os
 import stat
 
 import numpy as np
 import pytest
 
+import seaglint as sg
 from seaglint.air.lowtran_table import table_models
 from seaglint.base.errors import DataError
 from seaglint.cli.terminal.progress import PATIENCE, ProgressMode, patient_progress
@@ -441,3 +443,43 @@ def test_scattered_sunlight_in_layers_and_without(seaglint, cases, tmp_path):
     assert 1.3 < light[0] < 1.7
     assert np.all(np.abs(light[1:] - 1.0) < 0.2)
     assert np.all((warmth > 0.9) & (warmth < 1.01))
+
+
+def test_slopes_of_a_scenario_by_band(seaglint, tmp_path):
+    """The bands as a table and as JSON have the numbers of the function in Python; reports go to the other stream."""
+    (tmp_path / "sea.toml").write_text('wind.speed_m_s = 7.0\nsea.spectrum.kind = "radyo-2008"\nsea.shortest_wave_m = 0.1\n')
+    answer = seaglint("evaluate", "slopes", tmp_path / "sea.toml", "--bands", "5,20,100,1000", "--json")
+    assert answer.code == 0
+    result = json.loads(answer.out)
+    data = sg.evaluate.slopes(tmp_path / "sea.toml", bands=[5, 20, 100, 1000])
+    for name in ("k_min_rad_m", "k_max_rad_m", "drawn_up", "drawn_cross", "facets_up", "facets_cross", "spectrum_up", "spectrum_cross"):
+        assert [band[name] for band in result["bands"]] == pytest.approx(data[name].values.tolist(), rel=1e-12)
+    assert result["whole"]["facets_up"] == data.attrs["whole_facets_up"]
+    text = seaglint("evaluate", "slopes", tmp_path / "sea.toml")
+    assert [line.split()[0] for line in text.out.splitlines()[2:4]] == ["1-5", "5-10"]
+    assert text.out.splitlines()[-1].startswith("     whole sea")
+
+
+@pytest.mark.parametrize(
+    ("options", "table", "text"),
+    [
+        (("--bands", "20,5"), "", "bands = 20,5 are no bands of wavenumbers; give two or more ascending edges"),
+        (("--bands", "5"), "", "bands = 5 are no bands"),
+        (
+            (),
+            'wind.speed_m_s = 1.0\nsea.spectrum.kind = "radyo-2008"',
+            "wind.speed_m_s = 1 m/s is outside the 1.73 to 9.24 m/s of radyo-2008",
+        ),
+        ((), 'sea.spectrum = {kind = "wavenumber-file", path = "k.csv"}', "column 'k' has no unit that is known; name it wavenumber_rad_m"),
+        ((), 'sea.spectrum = {kind = "wavenumber-file", path = "asit-2019"}', "set kind = 'asit-2019' and leave path out"),
+    ],
+)
+def test_seas_and_bands_that_cannot_be_are_one_line(seaglint, tmp_path, options, table, text):
+    """Exit code 2 and one line with the remedy."""
+    (tmp_path / "sea.toml").write_text(table + "\n")
+    (tmp_path / "k.csv").write_text("k,saturation\n5,0.01\n50,0.01\n500,0.01\n")
+    answer = seaglint("evaluate", "slopes", tmp_path / "sea.toml", *options)
+    assert answer.code == 2
+    assert answer.out == ""
+    assert one_line(answer.err)
+    assert text in answer.err

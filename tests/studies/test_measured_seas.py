@@ -287,3 +287,16 @@ def test_waves_are_built_once() -> None:
     """The same scenario has the same spectrum object, so that what is cached by a spectrum is found again."""
     system = parse_scenario({"sea": {"spectrum": {"kind": "asit-2019"}}}).sea.spectrum
     assert measured_waves(system, 7.0, 1.0, "sea.spectrum").spectrum is measured_waves(system, 7.0, 1.0, "sea.spectrum").spectrum
+
+
+@pytest.mark.parametrize("wind", [3.0, 7.065, 16.0])
+def test_a_campaigns_table_as_a_file_is_its_sea(tmp_path: Path, wind: float) -> None:
+    """The table of the package, read as a user's file with several winds, gives the same spectrum as the ready sea."""
+    path = tmp_path / "asit.csv"
+    path.write_text((files("seaglint.sea") / "data" / "asit_2019.csv").read_text(encoding="utf-8"), encoding="utf-8")
+    read, ready = spectrum(parse_scenario(file_scene(path, wind))), spectrum(parse_scenario(scene("asit-2019", wind)))
+    assert read is not None
+    assert ready is not None
+    k = np.geomspace(1e-3, 2e3, 300)
+    np.testing.assert_array_equal(read.omnidirectional(k), ready.omnidirectional(k))
+    np.testing.assert_array_equal(read.second_harmonic(k), ready.second_harmonic(k))
