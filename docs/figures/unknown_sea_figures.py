@@ -27,7 +27,7 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
-from seaglint.sea.spectra.campaign_draws import LONGEST, Levels, drawn_sea, short_wave_bounds
+from seaglint.sea.spectra.campaign_draws import LONGEST, ShortWaveLevels, drawn_sea, short_wave_bounds
 from seaglint.sea.spectra.campaigns import CAMPAIGNS, campaign_spectrum, campaign_winds
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.studies.build import scenario_physics
@@ -78,7 +78,7 @@ def unknown_sea() -> Figure:
 
 
 def _total(wind: float, level: float) -> float:
-    sea = drawn_sea(wind, Levels(level, level), 0.0, ElfouhailySpectrum(wind))
+    sea = drawn_sea(wind, ShortWaveLevels(level, level), 0.0, ElfouhailySpectrum(wind))
     return 0.0 if sea is None else sum(sea.mss())
 
 
@@ -117,7 +117,8 @@ def three_seas() -> Figure:
         axes = figure.add_subplot(grid[0, place])
         shown = axes.imshow(kelvin, cmap="gray", vmin=limits[0], vmax=limits[1], extent=box, aspect="auto", interpolation="nearest")
         mss = scene.view.slopes.mss
-        axes.set(xlabel="azimuth [deg]", ylabel="elevation [deg]" if place == 0 else "", title=f"{name}: slope variance {mss:.3f}")
+        axes.set(xlabel="azimuth [deg]", ylabel="elevation [deg]" if place == 0 else "", xlim=(azimuth[0], azimuth[-1]))
+        axes.set_title(f"{name}: slope variance {mss:.3f}", fontsize=9)
     assert shown is not None
     figure.colorbar(shown, ax=figure.axes, extend="both", pad=0.01).set_label("apparent temperature [K]")
     drawn = np.array([rates(frames_of(scenario)[0], sea) for scenario in sea_draws(given, SEAS)])
@@ -137,7 +138,7 @@ def three_seas() -> Figure:
         print(f"{threshold:g} sigma: {low:.3g} to {high:.3g} of {SEAS} seas; " + ", ".join(f"{n} {v[row]:.3g}" for n, v in found.items()))
     axes.set(xlabel="false alarms per pixel and frame [1]", xscale="log", ylim=(-0.5, len(THRESHOLDS) - 0.3))
     axes.set_yticks(range(len(THRESHOLDS)), [f"{threshold:g} σ" for threshold in THRESHOLDS])
-    axes.legend(fontsize=7, ncols=2, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes.legend(fontsize=8, loc="center", bbox_to_anchor=(0.5, 0.5))
     return figure
 
 

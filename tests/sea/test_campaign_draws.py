@@ -11,8 +11,8 @@ from seaglint.base.errors import DomainError
 from seaglint.sea.spectra.campaign_draws import (
     LONGEST,
     SHORTEST_MEASURED,
-    Levels,
     LongWaves,
+    ShortWaveLevels,
     ShortWaves,
     drawn_levels,
     drawn_sea,
@@ -47,7 +47,7 @@ def test_the_bounds_are_the_campaigns_and_the_model_where_all_three_have_waves(w
     edges = np.array([20.0, 50.0, 100.0, 200.0, 300.0, 600.0, 1000.0])
     away = np.min(np.abs(np.log(k[:, None] / edges)), axis=1) > 0.02
     for level, expected in ((0.0, np.min(seas, axis=0)), (1.0, np.max(seas, axis=0))):
-        drawn = saturation(sea_at(wind, Levels(level, level)), k)
+        drawn = saturation(sea_at(wind, ShortWaveLevels(level, level)), k)
         # 2 %: kinks where one sea passes another lie between nodes, 8 an octave
         assert drawn[away] == pytest.approx(expected[away], rel=0.02)
 
@@ -58,7 +58,7 @@ def test_every_drawn_sea_lies_within_the_bounds(wind, long, short):
     bounds = short_wave_bounds(wind)
     k = bounds.wavenumber[bounds.wavenumber >= LONGEST]
     inside = bounds.wavenumber >= LONGEST
-    drawn = saturation(sea_at(wind, Levels(long, short)), k)
+    drawn = saturation(sea_at(wind, ShortWaveLevels(long, short)), k)
     # rounding of logarithms alone
     assert np.all(drawn >= bounds.least[inside] * (1.0 - 1e-9))
     assert np.all(drawn <= bounds.largest[inside] * (1.0 + 1e-9))
@@ -80,7 +80,7 @@ def test_the_saturation_at_both_ends_is_log_uniform_between_the_bounds(end, fiel
 @pytest.mark.parametrize("k", [(5.0, 30.0), (5.0, 1000.0), (20.0, 300.0), (70.0, 75.0)])
 def test_levels_of_two_wavenumbers_have_the_stated_correlation(k):
     rng = np.random.default_rng(5)
-    pairs = [level_at(Levels(*rng.random(2)), np.array(k)) for _ in range(20_000)]
+    pairs = [level_at(ShortWaveLevels(*rng.random(2)), np.array(k)) for _ in range(20_000)]
     # standard error of a correlation of 20,000 pairs: 0.007 at most; three of them
     assert np.corrcoef(np.array(pairs).T)[0, 1] == pytest.approx(float(level_correlation(*k)), abs=0.021)
 
@@ -99,7 +99,7 @@ def test_a_sea_is_a_function_of_seed_and_number():
     assert drawn_sea(7.0, forwards[0], 0.3, ElfouhailySpectrum(7.0, 0.3)) == drawn_sea(7.0, forwards[0], 0.3, ElfouhailySpectrum(7.0, 0.3))
 
 
-@pytest.mark.parametrize("levels", [Levels(0.0, 0.0), Levels(0.2, 0.9), Levels(1.0, 1.0)])
+@pytest.mark.parametrize("levels", [ShortWaveLevels(0.0, 0.0), ShortWaveLevels(0.2, 0.9), ShortWaveLevels(1.0, 1.0)])
 def test_the_slopes_change_continuously_with_the_wind(levels):
     winds = np.linspace(0.0, 20.0, 801)
     seas = [drawn_sea(wind, levels, 0.0, elfouhaily_or_calm(wind, 0.0)) for wind in winds]
@@ -111,7 +111,10 @@ def test_the_slopes_change_continuously_with_the_wind(levels):
 
 @pytest.mark.parametrize("wind", WINDS)
 def test_the_slope_variance_rises_with_both_levels(wind):
-    grid = [sum(sea_at(wind, Levels(long, short)).mss()) for long, short in ((0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.5, 1.0), (1.0, 1.0))]
+    grid = [
+        sum(sea_at(wind, ShortWaveLevels(long, short)).mss())
+        for long, short in ((0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.5, 1.0), (1.0, 1.0))
+    ]
     assert np.all(np.diff(grid) > 0.0)
 
 
@@ -135,7 +138,7 @@ def test_outside_its_winds_a_campaign_is_in_proportion_to_the_wind(name):
 
 
 def test_longer_waves_are_the_spectrum_given_and_the_passage_has_no_step():
-    model, sea = ElfouhailySpectrum(7.0, 0.3), sea_at(7.0, Levels(0.1, 0.8))
+    model, sea = ElfouhailySpectrum(7.0, 0.3), sea_at(7.0, ShortWaveLevels(0.1, 0.8))
     long = np.geomspace(0.05, 0.499 * LONGEST, 50)
     assert sea.omnidirectional(long) == pytest.approx(model.omnidirectional(long), rel=1e-12)
     assert sea.mss(0.5 * LONGEST) == pytest.approx(model.mss(0.5 * LONGEST), rel=1e-6)
@@ -147,7 +150,7 @@ def test_longer_waves_are_the_spectrum_given_and_the_passage_has_no_step():
 
 
 def test_shorter_waves_continue_and_end():
-    sea = sea_at(9.0, Levels(0.5, 1.0))
+    sea = sea_at(9.0, ShortWaveLevels(0.5, 1.0))
     at = saturation(sea, np.array([999.9, 1000.1, 1500.0, 3000.0]))
     assert at[1] == pytest.approx(at[0], rel=2e-3)
     assert at[0] > at[2] > at[3] > 0.0
@@ -158,17 +161,17 @@ def test_shorter_waves_continue_and_end():
 
 def test_without_wind_a_swell_keeps_its_long_waves_alone():
     swell = JonswapSpectrum(1.5, 11.0, 0.7, wind_to_azimuth=0.3)
-    calm = drawn_sea(0.0, Levels(0.5, 0.5), 0.3, swell, directed=False)
-    assert calm == drawn_sea(0.0, Levels(0.1, 0.9), 0.3, swell, directed=False)
+    calm = drawn_sea(0.0, ShortWaveLevels(0.5, 0.5), 0.3, swell, directed=False)
+    assert calm == drawn_sea(0.0, ShortWaveLevels(0.1, 0.9), 0.3, swell, directed=False)
     assert calm.wavenumber_range[1] == LONGEST
     assert calm.mss(2.0) == pytest.approx(swell.mss(2.0), rel=1e-6)
-    assert drawn_sea(0.0, Levels(0.5, 0.5), 0.3, None) is None
+    assert drawn_sea(0.0, ShortWaveLevels(0.5, 0.5), 0.3, None) is None
 
 
 def test_a_swell_alone_has_short_waves_of_the_wind():
     swell = JonswapSpectrum(1.5, 11.0, 0.7, wind_to_azimuth=0.3)
-    sea, model = drawn_sea(7.0, Levels(0.5, 0.5), 0.3, swell, directed=False), ElfouhailySpectrum(7.0, 0.3)
-    with_wind_sea = sea_at(7.0, Levels(0.5, 0.5))
+    sea, model = drawn_sea(7.0, ShortWaveLevels(0.5, 0.5), 0.3, swell, directed=False), ElfouhailySpectrum(7.0, 0.3)
+    with_wind_sea = sea_at(7.0, ShortWaveLevels(0.5, 0.5))
     assert saturation(sea, BETWEEN) == pytest.approx(saturation(with_wind_sea, BETWEEN), rel=1e-12)
     assert sea.second_harmonic(BETWEEN) == pytest.approx(model.second_harmonic(BETWEEN), rel=1e-12)
     assert sea.mss(1.0) == pytest.approx(swell.mss(1.0), rel=1e-6)
@@ -176,15 +179,15 @@ def test_a_swell_alone_has_short_waves_of_the_wind():
 
 def test_the_directions_of_the_short_waves_are_even_about_the_wind():
     angles = np.linspace(0.0, 2.0 * np.pi, 721)[:-1]
-    spread = sea_at(7.0, Levels(0.5, 0.5)).spreading(np.full(angles.size, 200.0), angles)
+    spread = sea_at(7.0, ShortWaveLevels(0.5, 0.5)).spreading(np.full(angles.size, 200.0), angles)
     assert spread.sum() * (2.0 * np.pi / 720) == pytest.approx(1.0, abs=1e-6)
 
 
 @pytest.mark.parametrize(
     ("build", "text"),
     [
-        (lambda: ShortWaves(7.0, Levels(-0.1, 0.5), ElfouhailySpectrum(7.0)), "level = -0.1"),
-        (lambda: ShortWaves(7.0, Levels(0.1, float("nan")), ElfouhailySpectrum(7.0)), "level = nan"),
+        (lambda: ShortWaves(7.0, ShortWaveLevels(-0.1, 0.5), ElfouhailySpectrum(7.0)), "level = -0.1"),
+        (lambda: ShortWaves(7.0, ShortWaveLevels(0.1, float("nan")), ElfouhailySpectrum(7.0)), "level = nan"),
         (lambda: short_wave_bounds(31.0), "31 m/s is outside 0-30"),
         (lambda: short_wave_bounds(0.0), "0 m/s is outside"),
         (lambda: drawn_levels(1, 3, 3), "count from 0 to 2"),
@@ -206,7 +209,7 @@ def test_a_spectrum_of_short_waves_alone_has_no_longer_part():
 def test_the_table_of_slopes_agrees_with_the_quadrature_of_every_spectrum(wind, swell):
     """Two routes: the table of this spectrum, and the panels that the interface integrates for any spectrum."""
     longer = JonswapSpectrum(1.5, 11.0, 0.9, wind_to_azimuth=0.3) if swell else ElfouhailySpectrum(max(wind, 0.5), 0.3)
-    sea = drawn_sea(wind, Levels(0.2, 0.9), 0.3, longer, directed=not swell)
+    sea = drawn_sea(wind, ShortWaveLevels(0.2, 0.9), 0.3, longer, directed=not swell)
     total = sum(DirectionalSpectrum.mss(sea))
     for k_min, k_max in ((0.0, np.inf), (0.0, 3.3), (3.0, 4.1), (17.0, 23.0), (100.0, 700.0), (900.0, 5000.0)):
         # 2e-5 of the total: cubic between some 250 wavenumbers

@@ -11,7 +11,7 @@ import pytest
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.formats.tables.input_tables import cases_of_columns
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.spectra.campaign_draws import Levels, drawn_levels
+from seaglint.sea.spectra.campaign_draws import ShortWaveLevels, drawn_levels
 from seaglint.store.detection_results import parts_folder
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.waves_and_slopes import drawn_sea_facts, levels, slopes, waves
@@ -43,7 +43,7 @@ def campaigns(**sea):
 def test_the_seed_draws_the_sea_and_levels_replace_it():
     assert levels(campaigns()) == drawn_levels(1)
     assert levels(campaigns().model_copy(update={"seed": 2})) != levels(campaigns())
-    assert levels(campaigns(short_wave_levels=[0.25, 0.75])) == Levels(0.25, 0.75)
+    assert levels(campaigns(short_wave_levels=[0.25, 0.75])) == ShortWaveLevels(0.25, 0.75)
     facts = drawn_sea_facts(campaigns(short_wave_levels=[0.25, 0.75]))
     assert (facts["short_wave_level_long"], facts["short_wave_level_short"]) == (0.25, 0.75)
     assert facts["drawn_sea_mss"] == pytest.approx(slopes(campaigns(short_wave_levels=[0.25, 0.75])).mss, rel=1e-12)
@@ -79,7 +79,7 @@ def test_every_kind_of_sea_can_be_drawn_and_prepared(spectrum, wind):
         up, cross = (prepared.report[f"resolved_mss_{axis}"] + prepared.report[f"facet_mss_{axis}"] for axis in ("up", "cross"))
         # geometry and facets make up the whole sea, as without a drawn one
         assert (up, cross) == pytest.approx((statistics.mss_up, statistics.mss_cross), rel=1e-9)
-    assert (waves(with_seas(given, [Levels(0.5, 0.5)])[0]).spectrum is None) == (
+    assert (waves(with_seas(given, [ShortWaveLevels(0.5, 0.5)])[0]).spectrum is None) == (
         spectrum["kind"] == "flat" or (wind == 0.0 and spectrum["kind"] == "elfouhaily")
     )
 
@@ -87,7 +87,10 @@ def test_every_kind_of_sea_can_be_drawn_and_prepared(spectrum, wind):
 def test_drawn_seas_change_no_other_random_numbers():
     """Phases of all waves are the same: heights of every tile are those of the scenario's sea, but for the size of the shortest waves."""
     given = scenario()
-    fields = [scenario_physics.sea(sea, slopes(sea)).waves for sea in (given, *with_seas(given, [Levels(0.0, 0.0), Levels(1.0, 1.0)]))]
+    fields = [
+        scenario_physics.sea(sea, slopes(sea)).waves
+        for sea in (given, *with_seas(given, [ShortWaveLevels(0.0, 0.0), ShortWaveLevels(1.0, 1.0)]))
+    ]
     tiles = [[part for tile in field.tiles for part in (tile.length, tile.rotation)] for field in fields]
     # lengths follow from the spectrum, to which waves of 2 to 2.5 m add up to 2e-4 of them
     assert tiles[1] == pytest.approx(tiles[0], rel=5e-4)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.model import Scenario
-from seaglint.sea.spectra.campaign_draws import Levels, drawn_levels
+from seaglint.sea.spectra.campaign_draws import ShortWaveLevels, drawn_levels
 from seaglint.studies.study_requests import require_sea_draws
 
 SHARES: Final = (0.05, 0.95)  #: Shares of the drawn seas between which the interval lies [1].
@@ -66,7 +66,7 @@ def sea_line(low: float, high: float, draws: int, form: str = ".4g", unit: str =
     return f"sea unknown: {low:{form}} to {high:{form}}{f' {unit}' if unit else ''} ({draws} seas between the campaigns)"
 
 
-def levels_of(seed: int, draws: int) -> list[Levels]:
+def levels_of(seed: int, draws: int) -> list[ShortWaveLevels]:
     """Return the levels of some seas, as ``sea_draws`` gives them to scenarios of that seed."""
     require_sea_draws(draws)
     return [drawn_levels(seed, number, draws) for number in range(draws)]
@@ -85,7 +85,7 @@ def sea_draws(scenario: Scenario, draws: int) -> list[Scenario]:
     return with_seas(scenario, levels_of(scenario.seed, draws))
 
 
-def with_seas(scenario: Scenario, levels: Sequence[Levels]) -> list[Scenario]:
+def with_seas(scenario: Scenario, levels: Sequence[ShortWaveLevels]) -> list[Scenario]:
     """Return the scenario with seas of some levels; see ``sea_draws``."""
     require_drawn(scenario)
     return [

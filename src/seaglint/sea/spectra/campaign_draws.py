@@ -55,14 +55,14 @@ _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(4)
 _STEP: Final = 1e-4  # share of the wavenumber over which a bound passes to another one where a campaign begins
 
 
-class Levels(NamedTuple):
+class ShortWaveLevels(NamedTuple):
     """Place of a sea between the bounds, 0 at the least and 1 at the largest saturation [1]."""
 
     long: float  #: At ``LONGEST``.
     short: float  #: At ``SHORTEST_MEASURED``.
 
 
-class Bounds(NamedTuple):
+class ShortWaveBounds(NamedTuple):
     """Least and largest saturation of a wind, log-linear in the logarithm of the wavenumber between the rows."""
 
     wavenumber: FloatArray  #: Ascending, from half of ``LONGEST`` to ``SHORTEST_MEASURED`` [rad m⁻¹, (n,)].
@@ -70,7 +70,7 @@ class Bounds(NamedTuple):
     largest: FloatArray  #: [1, (n,)].
 
 
-def drawn_levels(seed: int, draw: int = 0, draws: int = 1) -> Levels:
+def drawn_levels(seed: int, draw: int = 0, draws: int = 1) -> ShortWaveLevels:
     """Return the levels of one of several seas.
 
     Each level is even over 0 to 1, and of ``draws`` seas each ``1/draws`` of this range holds one (Latin hypercube): a quantile over few
@@ -85,7 +85,7 @@ def drawn_levels(seed: int, draw: int = 0, draws: int = 1) -> Levels:
 
     Returns
     -------
-    Levels
+    ShortWaveLevels
 
     Examples
     --------
@@ -98,12 +98,12 @@ def drawn_levels(seed: int, draw: int = 0, draws: int = 1) -> Levels:
             f"sea {draw} of {draws} does not exist; count from 0 to {draws - 1}", name="draw", value=draw, allowed=(0, draws - 1)
         )
     rng = stream(seed, "sea between campaigns", draws)
-    places = np.stack([rng.permutation(draws) for _ in Levels._fields])
+    places = np.stack([rng.permutation(draws) for _ in ShortWaveLevels._fields])
     long, short = ((places + rng.random(places.shape)) / draws)[:, draw].tolist()
-    return Levels(long, short)
+    return ShortWaveLevels(long, short)
 
 
-def level_at(levels: Levels, wavenumber: ArrayLike) -> FloatArray:
+def level_at(levels: ShortWaveLevels, wavenumber: ArrayLike) -> FloatArray:
     """Return the level ``u`` at wavenumbers [rad m⁻¹]; beyond the two ends it is that of the end [1]."""
     share = _share(wavenumber)
     return np.asarray(levels.long + (levels.short - levels.long) * share)
@@ -129,7 +129,7 @@ def level_correlation(first: ArrayLike, second: ArrayLike) -> FloatArray:
 
 
 @lru_cache(maxsize=1024)
-def short_wave_bounds(wind: float) -> Bounds:
+def short_wave_bounds(wind: float) -> ShortWaveBounds:
     """Return the bounds of the saturation of short waves at a wind.
 
     Parameters
@@ -139,7 +139,7 @@ def short_wave_bounds(wind: float) -> Bounds:
 
     Returns
     -------
-    Bounds
+    ShortWaveBounds
 
     Raises
     ------
@@ -179,7 +179,7 @@ def short_wave_bounds(wind: float) -> Bounds:
     values += [np.where(k >= start, ratio * k**3 * sea.omnidirectional(k), np.nan) for start, sea, ratio in seas]
     # Calm seas have no energy at some wavenumbers, whose logarithm is still needed.
     table = np.maximum(values, 1e-30)
-    return Bounds(k, np.nanmin(table, axis=0), np.nanmax(table, axis=0))
+    return ShortWaveBounds(k, np.nanmin(table, axis=0), np.nanmax(table, axis=0))
 
 
 @dataclass(frozen=True)
@@ -189,17 +189,17 @@ class ShortWaves(DirectionalSpectrum):
     Raises
     ------
     DomainError
-        Levels outside 0 to 1, or a wind outside Elfouhaily's model.
+        ShortWaveLevels outside 0 to 1, or a wind outside Elfouhaily's model.
 
     Examples
     --------
-    >>> calm, rough = (ShortWaves(7.0, Levels(u, u), ElfouhailySpectrum(7.0)) for u in (0.0, 1.0))
+    >>> calm, rough = (ShortWaves(7.0, ShortWaveLevels(u, u), ElfouhailySpectrum(7.0)) for u in (0.0, 1.0))
     >>> round(sum(calm.mss()), 3), round(sum(rough.mss()), 3)
     (0.017, 0.056)
     """
 
     wind: float  #: Neutral wind at 10 m [m s⁻¹].
-    levels: Levels  #: Place between the bounds.
+    levels: ShortWaveLevels  #: Place between the bounds.
     directions: DirectionalSpectrum  #: Spectrum with the directions of the short waves, about the same wind.
 
     def __post_init__(self) -> None:
@@ -370,7 +370,7 @@ def _fall(wavenumber: FloatArray) -> FloatArray:
 
 
 def drawn_sea(
-    wind: float, levels: Levels, wind_to_azimuth: float, longer: DirectionalSpectrum | None, *, directed: bool = True
+    wind: float, levels: ShortWaveLevels, wind_to_azimuth: float, longer: DirectionalSpectrum | None, *, directed: bool = True
 ) -> DrawnSea | None:
     """Return a sea with short waves between the bounds.
 
@@ -378,7 +378,7 @@ def drawn_sea(
     ----------
     wind : float
         Neutral wind at 10 m [m s⁻¹]; without wind there are no short waves.
-    levels : Levels
+    levels : ShortWaveLevels
         Place between the bounds.
     wind_to_azimuth : float
         Azimuth the wind blows TO [rad].

@@ -24,7 +24,7 @@ from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
 from seaglint.sea.slopes.slope_statistics import LIGHTEST, SlopeStatistics, at_least_residual, flat
-from seaglint.sea.spectra.campaign_draws import SHORTEST, Levels, drawn_levels, drawn_sea
+from seaglint.sea.spectra.campaign_draws import SHORTEST, ShortWaveLevels, drawn_levels, drawn_sea
 from seaglint.sea.spectra.combined import CalmSpectrum, CombinedSpectrum
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
@@ -81,10 +81,10 @@ def has_wind_sea(scenario: Scenario) -> bool:
     return any(isinstance(system, requested_sea.Elfouhaily | requested_sea.PiersonMoskowitz) for system in systems)
 
 
-def levels(scenario: Scenario) -> Levels:
+def levels(scenario: Scenario) -> ShortWaveLevels:
     """Return the place of a drawn sea between the campaigns: as specified, or by the seed."""
     given = scenario.sea.short_wave_levels
-    return drawn_levels(scenario.seed) if given is None else Levels(*given)
+    return drawn_levels(scenario.seed) if given is None else ShortWaveLevels(*given)
 
 
 def _drawn(scenario: Scenario, longer: DirectionalSpectrum | None) -> DirectionalSpectrum | None:

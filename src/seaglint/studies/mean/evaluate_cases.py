@@ -34,7 +34,7 @@ from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
 from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, at_least_residual
-from seaglint.sea.spectra.campaign_draws import Levels, drawn_sea
+from seaglint.sea.spectra.campaign_draws import ShortWaveLevels, drawn_sea
 from seaglint.studies.build.waves_and_slopes import elfouhaily
 from seaglint.studies.sea_draws import COUNT, HIGH, LOW, SeaUnknown, levels_of, sea_line
 from seaglint.studies.study_requests import AirRequest, EvaluationRequest, MeanCasesRequest
@@ -307,7 +307,7 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
     return {"emissivity": values, **({EXTRAPOLATED: _marks({"wind_speed_m_s": beyond})} if extrapolate else {})}
 
 
-def drawn_slopes(levels: Levels, speed: float, towards: float, directed: bool) -> SlopeStatistics:
+def drawn_slopes(levels: ShortWaveLevels, speed: float, towards: float, directed: bool) -> SlopeStatistics:
     """Return the slopes of a drawn sea at a wind at 10 m towards an azimuth [rad]; in an isotropic sea all directions have their mean."""
     along = _drawn_along(levels, speed)
     if directed:
@@ -316,7 +316,7 @@ def drawn_slopes(levels: Levels, speed: float, towards: float, directed: bool) -
 
 
 @lru_cache(maxsize=4096)
-def _drawn_along(levels: Levels, speed: float) -> SlopeStatistics:
+def _drawn_along(levels: ShortWaveLevels, speed: float) -> SlopeStatistics:
     """Return the slopes of a drawn sea with longer waves of Elfouhaily's spectrum along and across the wind."""
     sea = drawn_sea(speed, levels, 0.0, elfouhaily(speed, 0.0)) if speed > 0.0 else None
     return nested_in(at_least_residual(SlopeStatistics(0.0, 0.0) if sea is None else spectrum_slopes(sea)), sea)
