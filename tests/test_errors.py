@@ -99,7 +99,7 @@ def test_fields_cannot_change_and_travel_between_processes(error, fields):
             {"sea": {"spectrum": {"kind": "nix"}}},
             "sea.spectrum.kind",
             "nix",
-            "'elfouhaily', 'pierson-moskowitz', 'jonswap', 'file', 'systems', 'flat'",
+            "'elfouhaily', 'pierson-moskowitz', 'jonswap', 'file', 'wavenumber-file', 'asit-2019', 'radyo-2008', 'systems', 'flat'",
         ),
         ({"mean": {"shadowing": "nix"}}, "mean.shadowing", "nix", "'nested', 'both', 'viewer'"),
         ({"sensor": {"hieght_m": 3}}, "sensor.hieght_m", 3, None),

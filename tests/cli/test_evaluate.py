@@ -468,7 +468,7 @@ def test_slopes_of_a_scenario_by_band(seaglint, tmp_path):
         (
             (),
             'wind.speed_m_s = 1.0\nsea.spectrum.kind = "radyo-2008"',
-            "wind.speed_m_s = 1 m/s is outside the 1.73 to 9.24 m/s of radyo-2008",
+            "wind.speed_m_s: a wind of 1 m/s is outside the 1.73 to 9.24 m/s of radyo-2008",
         ),
         ((), 'sea.spectrum = {kind = "wavenumber-file", path = "k.csv"}', "column 'k' has no unit that is known; name it wavenumber_rad_m"),
         ((), 'sea.spectrum = {kind = "wavenumber-file", path = "asit-2019"}', "set kind = 'asit-2019' and leave path out"),

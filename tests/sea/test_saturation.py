@@ -113,7 +113,7 @@ def test_spectra_are_continuous_in_the_wind(name: str) -> None:
 def test_winds_outside_a_campaign_are_refused(name: str, wind: float) -> None:
     """The error names the wind and the range."""
     winds = campaign_winds(name)
-    with pytest.raises(DomainError, match=rf"wind_speed = {wind:g} m/s is outside the {winds[0]:g} to {winds[-1]:g} m/s of {name}"):
+    with pytest.raises(DomainError, match=rf"a wind of {wind:g} m/s is outside the {winds[0]:g} to {winds[-1]:g} m/s of {name}"):
         campaign_spectrum(name, wind)
 
 

@@ -209,7 +209,7 @@ def test_joins_are_reported_once_and_in_the_provenance(tmp_path: Path, caplog: p
     ("made", "keys", "wind", "text"),
     [
         ({"last": 1.0}, {}, 7.0, r'sea.spectrum.shorter_waves = "cut" leaves no waves beyond 1 rad/m.*set shorter_waves = "elfouhaily"'),
-        ({"wind": 6.0}, {}, 7.0, "wind.speed_m_s = 7 m/s is outside the 6 m/s of sea.csv; set that wind, or leave the wind out"),
+        ({"wind": 6.0}, {}, 7.0, "wind.speed_m_s: a wind of 7 m/s is outside the 6 m/s of sea.csv; set that wind, or leave the wind out"),
     ],
 )
 def test_seas_that_do_not_fit_are_refused(tmp_path: Path, made: dict, keys: dict, wind: float, text: str) -> None:
@@ -271,6 +271,9 @@ def test_bands_side_by_side_add_up_to_the_whole(kind: str) -> None:
         total = sum(getattr(band, name) for band in result.bands)
         # the lattice is summed anew with cells cut at the edges
         assert total == pytest.approx(getattr(result.whole, name), rel=2e-3, abs=1e-6), name
+    # the facets of pictures are those that the provenance of a picture has
+    report = scenario_physics.sea(scenario, slopes(scenario)).report
+    assert (result.whole.facets_up, result.whole.facets_cross) == (report["facet_mss_up"], report["facet_mss_cross"])
     data = sg.evaluate.slopes(scenario, bands=bands)
     assert data.drawn_up.values.tolist() == [band.drawn_up for band in result.bands]
     assert data.attrs["whole_facets_up"] == result.whole.facets_up

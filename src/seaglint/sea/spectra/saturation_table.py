@@ -91,7 +91,7 @@ class SaturationTable:
         if not low * (1.0 - _SAME_WIND) <= wind <= high * (1.0 + _SAME_WIND):
             one = winds.size == 1
             raise DomainError(
-                f"wind_speed = {wind:g} m/s is outside the {f'{low:g} m/s' if one else f'{low:g} to {high:g} m/s'} of {self.name}; "
+                f"a wind of {wind:g} m/s is outside the {f'{low:g} m/s' if one else f'{low:g} to {high:g} m/s'} of {self.name}; "
                 + ("set that wind, or leave the wind out of the file to use it at any" if one else "choose a wind inside it"),
                 name="wind_speed",
                 value=wind,
@@ -114,7 +114,7 @@ class SaturationTable:
         longer: Continued = "elfouhaily",
         shorter: Continued = "cut",
     ) -> tuple[tuple[float, SaturationSpectrum], ...]:
-        """Spectra of the rows that make up the sea at a wind, and their weights [1]; arguments as of :meth:`at`."""
+        """Spectra of the rows that make up the sea at a wind, and their weights [1]; arguments as of ``at``."""
         if width is not None and self.has_directions:
             raise DomainError(
                 f"does not go with {self.name}, which has directions (delta, half_width_deg); leave it out",
