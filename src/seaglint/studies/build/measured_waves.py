@@ -54,8 +54,8 @@ def measured_waves(system: requested_sea.MeasuredWaves, speed: float, wind_to: f
         name = "wind.speed_m_s" if error.name == "wind_speed" else f"{key}.{error.name}" if error.name in _KEYS else None
         if name is None:
             raise
-        # the text of a wind begins with the name of the parameter, not of the key
-        text = f"{name} {str(error).removeprefix('wind_speed ')}"
+        # a text on one of the keys continues its name, as for other files of waves
+        text = f"{name}: {error}" if error.name == "wind_speed" else f"{name} {error}"
         raise ScenarioError(text, mistakes=(Mistake(name, error.value, error.allowed, text),)) from error
 
 
