@@ -40,15 +40,17 @@ def mean(
 
     start_helpers("mean")  # before the other imports, which take seconds: the helpers compile meanwhile
     only_numpy()
-    from seaglint.studies.mean.mean_map import brightest_lines
     from seaglint.studies.mean.mean_map import mean as mean_map
 
     with naming_file(request.scenario, loaded), patient_progress(show, "map") as report:
         dataset = mean_map(loaded, report, sea_draws=request.sea_draws)
     if "air_note" in dataset.attrs:
         log(dataset.attrs["air_note"])
-    for line in brightest_lines(dataset):
-        log(line)
+    if request.sea_draws is not None:
+        from seaglint.studies.mean.mean_map import brightest_lines
+
+        for line in brightest_lines(dataset):
+            log(line)
     write_netcdf(dataset, output, overwrite=request.overwrite)
     log(f"{output} written")
     if preview:
