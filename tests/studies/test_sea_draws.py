@@ -10,6 +10,7 @@ import pytest
 
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.formats.tables.input_tables import cases_of_columns
+from seaglint.scenario.ensemble_file import parse_ensemble
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.spectra.campaign_draws import ShortWaveLevels, drawn_levels
 from seaglint.store.detection_results import parts_folder
@@ -19,6 +20,7 @@ from seaglint.studies.detect.detection_requests import SceneRequest
 from seaglint.studies.detect.study import run_study
 from seaglint.studies.detect.unknown_sea import of_same_contrast
 from seaglint.studies.detect.varied_cases import cases_of
+from seaglint.studies.ensemble.render_ensemble import render_ensemble
 from seaglint.studies.likelihood.glint_chance import likelihood
 from seaglint.studies.mean.evaluate_cases import evaluate_mean, labelled_cases, parse_bands, widest_sea_lines
 from seaglint.studies.mean.field_numbers import FIELD_NUMBERS, field_numbers
@@ -253,3 +255,16 @@ def test_an_interval_of_equal_values_is_that_value_and_nan_stays():
     }  # fmt: skip
     assert SeaUnknown.of([1.0, float("nan")]).as_dict()["sea_unknown_low"] is None
     assert sea_line(0.001, 0.25, 20) == "sea unknown: 0.001 to 0.25 (20 seas between the campaigns)"
+
+
+def test_an_ensemble_reports_rendering_and_drawn_seas_as_one_work(tmp_path):
+    given = parse_ensemble({"ensemble": {"scenes": 2}, "base": SMALL})
+    reported = []
+    render_ensemble(given, tmp_path / "out", sea_draws=2, progress=lambda done, total: reported.append((done, total)))
+    assert reported[-1] == (4, 4)
+    assert [done for done, _ in reported] == sorted(done for done, _ in reported)
+    rows = (tmp_path / "out" / "sea_unknown.csv").read_text().splitlines()
+    assert len(rows) == 3
+    # the scenes are the scenario's own: the table of parameters does not change
+    plain = render_ensemble(given, tmp_path / "plain", draw_only=True)
+    assert (plain / "parameters.csv").read_text() == (tmp_path / "out" / "parameters.csv").read_text()

@@ -36,7 +36,7 @@ from seaglint.studies.ensemble.label_outlook import report_unseen
 from seaglint.studies.ensemble.law_draws import EnsembleScene, SingleLaw, count_key, prepared
 from seaglint.studies.ensemble.scene_attempts import forget_scene, rendered_store, scene_stage
 from seaglint.studies.mean.field_numbers import field_numbers
-from seaglint.studies.sea_draws import require_drawn
+from seaglint.studies.sea_draws import part_of, require_drawn
 from seaglint.studies.sequence.memory import give_back, require_memory_of_all
 from seaglint.studies.sequence.sequence_work import SceneCache
 from seaglint.studies.study_requests import require_sea_draws
@@ -206,14 +206,16 @@ def render_ensemble(
             labels = [scene.label for scene in drawn]
             with storage_errors(folder.path, "make room and run the same again with resume=True"):
                 stage = stack.enter_context(scene_stage(folder.path, claim, {label: folder.store(label) for label in labels}))
-            _render(folder, stage, labels, workers, threads, progress)
+            # With drawn seas the rendering is the first half of the work in its report.
+            _render(folder, stage, labels, workers, threads, progress if sea_draws is None else part_of(progress, 0, 2))
         if sea_draws is not None:
             # In this process: a scene takes seconds at most, where its rendering takes minutes.
             rows: list[TableRow] = []
             for scene in drawn:
                 rows.append({"scene": scene.number, **_named(scene, partial(field_numbers, draws=sea_draws))})
-                if draw_only and progress is not None:
-                    progress(len(rows), len(drawn))
+                if progress is not None:
+                    rendered = 0 if draw_only else len(drawn)
+                    progress(rendered + len(rows), rendered + len(drawn))
             folder.write_sea_unknown(rows)
     return folder.path
 
