@@ -51,7 +51,9 @@ def test_likelihood_prints_the_interval_beside_its_own(tmp_path: Path, seaglint)
     (row,) = json.loads(seaglint("likelihood", path, "--json", "--sea-draws", 3, "--progress", "none").out)["results"]
     assert row["sea_draws"] == 3
     assert row["sea_unknown_low"] <= row["sea_unknown_median"] <= row["sea_unknown_high"]
-    assert LINE in seaglint("likelihood", path, "--sea-draws", 3, "--progress", "none").out
+    answer = seaglint("likelihood", path, "-o", tmp_path / "l.png", "--sea-draws", 3, "--progress", "none")
+    assert LINE in answer.out
+    assert (tmp_path / "l.png").stat().st_size > 10_000
 
 
 def test_ensemble_writes_a_table_of_its_scenes(tmp_path: Path, seaglint) -> None:
@@ -71,7 +73,8 @@ def test_detect_scene_has_it_in_json_and_text(tmp_path: Path, scenario: Path, se
     result = json.loads(seaglint(*arguments, "--json").out)
     assert result["sea_draws"] == 3
     assert result["sweep"][0]["p_d_sea_unknown_low"] <= result["sweep"][0]["p_d_sea_unknown_high"]
-    assert LINE in seaglint(*arguments).out
+    assert LINE in seaglint(*arguments, "--report", tmp_path / "r.html").out
+    assert "sea unknown: P_d" in (tmp_path / "r.html").read_text()
 
 
 @pytest.mark.parametrize("draws", [1, 0, 5000])
