@@ -54,7 +54,10 @@ def test_radiances_have_long_tails(azimuth):
 
     In the middle every pixel holds many facets that mirror the Sun. The cells are the article's, of 70 ms.
     """
-    scenario = _scenario(sea={"glint": {"correlation": "time"}}, sensor={"azimuth_deg": azimuth, "elevation_deg": -3.0, "fov_deg": [4, 2], "pixels": [160, 80]})
+    scenario = _scenario(
+        sea={"glint": {"correlation": "time"}},
+        sensor={"azimuth_deg": azimuth, "elevation_deg": -3.0, "fov_deg": [4, 2], "pixels": [160, 80]},
+    )
     run = prepare_sequence(scenario)
     frames = []
     for seed in range(12):
