@@ -105,28 +105,34 @@ def main(frames: str = "4") -> None:
 
 
 def write_table1(rows: dict[str, ArticleRow]) -> None:
-    """Put Table 1 between its markers, the article's number / as rendered / through the detector, and what other blurs make of it."""
+    """Put Table 1 between its markers: the article's number / as rendered / through the detector, other blurs, and sparkle by waves."""
 
-    def all_of(key: str, style: str) -> str:
-        return " / ".join("-" if value is None else f"{value:{style}}" for value in rows[key].numbers.values())
+    def all_of(key: str, style: str, heads: tuple[str, ...] = ("article", "as rendered", "detector")) -> str:
+        numbers = rows[key].numbers
+        return " / ".join("-" if numbers[head] is None else f"{numbers[head]:{style}}" for head in heads)
 
     def ends(key: str, which: str) -> str:
         found = rows[key].settings[which]
         return "not determined" if found is None else " to ".join(f"{end:.2g}" for end in found)
 
     head = ("article / as rendered / through the detector", "false-alarm rate", "95 % intervals", "times Gaussian", "correlation time [s]")
-    body, blurs = [], []
+    body, blurs, waves = [], [], []
+    both = ("waves", "waves, detector")
     for region in ("glint", "background"):
         for sigma in ("3", "3.5"):
             name = f"{region}_{sigma}_sigma"
             rate, ratio, time = (f"{what}_{name}" for what in ("rate", "times_gaussian", "correlation_time"))
             intervals = "; ".join(ends(rate, which) for which in ("interval_95", "detector_interval_95"))
             body.append((f"{region}, {sigma} sigma", all_of(rate, ".2g"), intervals, all_of(ratio, ".2g"), all_of(time, ".2f")))
+            intervals = "; ".join(ends(rate, which) for which in ("waves_interval_95", "waves_detector_interval_95"))
+            cells = (all_of(rate, ".2g", both), intervals, all_of(ratio, ".2g", both), all_of(time, ".2f", both))
+            waves.append((f"{region}, {sigma} sigma", *cells))
             pairs = zip(rows[ratio].settings.values(), rows[time].settings.values(), strict=True)
             sharp = f"{rows[ratio].ours:.2g} / {rows[time].ours:.2f}"
             blurs.append((f"{region}, {sigma} sigma", sharp, *(f"{times:.2g} / {seconds:.2f}" for times, seconds in pairs)))
     put("table1", list(table(head, body)))
     put("table1-blur", list(table(("times Gaussian / correlation time [s]", "none", *(f"{blur:g} px" for blur in BLURS_PX)), blurs)))
+    put("table1-waves", list(table(("as rendered / through the detector", *head[1:]), waves)))
 
 
 def put(name: str, lines: list[str]) -> None:

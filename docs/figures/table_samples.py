@@ -233,6 +233,33 @@ def textures() -> Pairs:
     return iter([(" | ".join(old[i] for i in kept), " | ".join(made[i] for i in kept))])
 
 
+def measured_field() -> Pairs:
+    """The closed form of one packaged sea, and the cells."""
+    import measured_sparkle as made
+
+    radius, wind = made.RADII[1], made.RADYO_WINDS[0]
+    rows = made.data("measured_sparkle")
+    covariance = made.of_waves(made.campaign_spectrum("radyo-2008", wind, 0.5 * np.pi))
+    share = float(made.values(rows, round(1e3 * radius), "measured")[0])
+    for what, lit in ((f"radyo-2008, {wind:g} m/s, closed form", made.closed(covariance, radius)), ("cells of 2.6 mm", made.cells(share))):
+        new = next(made.numbers(radius, what, 0, lit))
+        old = made.values(rows, round(1e3 * radius), what)
+        yield f"{what}: " + ", ".join(f"{v:.3g}" for v in old), f"{what}: " + ", ".join(f"{new[name]:.3g}" for name in made.NAMES)
+
+
+def mean_slopes() -> Pairs:
+    """The nearest wind."""
+    import measured_sparkle as made
+
+    rows = made.data("mean_slopes")
+    away = made.departures(rows)
+    wind = min(away, key=lambda one: away[one])
+    waves = made.ShortWaves.of_spectrum(made.campaign_spectrum("asit-2019", float(wind), 0.0), 0.0)
+    new, _ = made.of_sea(waves, made.footprint(), 0.0, 0.0333 * np.arange(4096))
+    for old, value in zip(made.line_of(rows, "asit-2019", wind), new, strict=True):
+        yield f"{wind} m/s: {old:.3f}", f"{wind} m/s: {value:.3f}"
+
+
 def false_alarms() -> Pairs:
     """One sea, with the intervals of the rates as errors."""
     from false_alarm_table import rates

@@ -25,8 +25,8 @@ def _scenario(**tables):
 def test_variance_falls_with_range_as_the_model_of_the_mean_says(correlation, tolerance):
     """Without resolved waves, to the horizon: variance over time of every pixel against the model of its mean, variance and footprint.
 
-    With cells of one length this is Eq. 18 of the source article. From the waves, the model of the mean takes the steepness of the mirroring
-    slope by its size, and hiding by Smith's law, where facets know directions and nested hiding.
+    With cells of one length this is Eq. 18 of the source article. From the waves, the model of the mean hides by Smith's law, where
+    facets know directions and nested hiding.
     """
     scenario = _scenario(sea={"resolve_waves": False, "glint": {"correlation": correlation}}, render={"subpixel_glint": "on"})
     run = prepare_sequence(scenario)

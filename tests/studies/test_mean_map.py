@@ -133,6 +133,15 @@ def test_glint_varies_with_the_area_of_its_cells():
     assert (short["glint_std"].where(short["elevation"] > 0.0, drop=True) == 0.0).all()
 
 
+def test_maps_with_sparkle_from_the_waves_are_written(tmp_path):
+    """The attribute names what replaces the length of cells, and NetCDF takes it."""
+    waves = mean_map("spectral", sea={"glint": {"correlation": "waves"}})
+    assert waves.attrs["glint_correlation"] == "waves"
+    assert "glint_correlation_length_m" not in waves.attrs
+    waves.to_netcdf(tmp_path / "mean.nc")
+    assert (waves["glint_std"].where(waves["elevation"] < -1.0, drop=True) > 0.0).any()
+
+
 @pytest.mark.parametrize("kind", ["cox-munk-isotropic", "breon-henriot"])
 def test_maps_are_shadowed_band_by_band_unless_told_otherwise(kind):
     """The brightest of a low Sun's glint near the horizon: Smith's law shows several times too much of it."""

@@ -228,7 +228,7 @@ def fig12(
 def table1(*, progress: Progress | None = None) -> ResultRecord:
     """Table 1 of the article, of false alarms, beside ours.
 
-    It renders two seconds of glint: some five minutes on two cores.
+    It renders two seconds of glint, twice: some ten minutes on two cores.
 
     Parameters
     ----------
@@ -238,7 +238,8 @@ def table1(*, progress: Progress | None = None) -> ResultRecord:
     Returns
     -------
     ResultRecord
-        ``rows`` with the value of the article and ours, ``settings`` and ``notes``.
+        ``rows`` with the value of the article and ours (as rendered and through a detector, with sparkles by a correlation time and by the
+        waves), ``settings`` and ``notes``.
 
     Examples
     --------

@@ -47,14 +47,22 @@ class ArticleRow:
 
 @dataclass(frozen=True)
 class SensedRow(ArticleRow):
-    """Number of the source article beside ours of pictures as rendered (``ours``) and of the same pictures through a detector."""
+    """Number of the source article beside ours of pictures as rendered (``ours``), and of others; None where a value does not exist."""
 
-    through_detector: float | None = None  #: Value of the pictures through the detector; None where it does not exist.
+    through_detector: float | None = None  #: Value of the same pictures through the detector.
+    waves: float | None = None  #: Value of pictures whose sparkles follow from the waves, as rendered.
+    waves_through_detector: float | None = None  #: Value of these through the detector.
 
     @property
     def numbers(self) -> dict[str, float | None]:
         """Return the values by the heads of their columns."""
-        return {"article": self.article, "as rendered": self.ours, "detector": self.through_detector}
+        return {
+            "article": self.article,
+            "as rendered": self.ours,
+            "detector": self.through_detector,
+            "waves": self.waves,
+            "waves, detector": self.waves_through_detector,
+        }
 
 
 MODEL: Final = "midlatitude-summer"  #: The article's model atmosphere.

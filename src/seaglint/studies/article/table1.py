@@ -7,13 +7,16 @@ The rates depend on wind, Sun and range; ``docs/figures/false_alarm_table.py`` c
 The article's pictures come from a sensor, the General Dynamics Advanced Imaging Sensor, of which it states neither pixels nor blur.
 Correlation times need a blur: it joins neighbouring glints and prolongs them. So the same frames are counted twice, as rendered and
 through a detector (``BLUR_PX``), and again with other blurs (``BLURS_PX``).
+
+Its glint below a pixel has a correlation time of 70 ms (``CORRELATION_TIME``). The same sea is rendered a second time with sparkles that
+follow from its waves (``sea.glint.correlation = "waves"``), and is counted as rendered and through the detector.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +55,10 @@ SUN: Final = 60.0  #: Zenith angle of the Sun [deg].
 
 SHORTEST_WAVE: Final = 0.5  #: Shortest wave that is geometry [m]: as short as the pixels are wide at the near edge.
 
+CORRELATION_TIME: Final = 0.07  #: The article's correlation time of glint at a point [s].
+
+Correlation = Literal["time", "waves"]  #: What sets the sparkles of a picture: the article's time, or the waves.
+
 CORRIDOR_SHARE: Final = 0.5  #: Mean mirrored Sun, as a share of its row's largest, from which a pixel belongs to the corridor.
 
 #: Blur of the detector beyond its pixels, a standard deviation [px of 0.56 mrad].
@@ -88,6 +95,7 @@ def scene(
     frames: int = FRAMES,
     margin: int = 0,
     sensor: TomlTables | None = None,
+    correlation: Correlation = "time",
 ) -> Scenario:
     """Return the scenario of the sequence, also at another wind or Sun.
 
@@ -103,6 +111,8 @@ def scene(
         Pixels beyond each border of the picture.
     sensor : dict, optional
         Further keys of ``[sensor]``: its optics and detector.
+    correlation : {"time", "waves"}
+        Sparkles by the article's correlation time, or by the waves that are no geometry.
 
     Returns
     -------
@@ -129,9 +139,13 @@ def scene(
             "atmosphere": {"spectroscopy": "lowtran7"},
             "band": {"min_um": GLINT_BAND[0], "max_um": GLINT_BAND[1]},
             "wind": {"speed_m_s": wind_speed, "from_deg": south + IMAGE_WIND_DIRECTIONS[1]},
-            "sea": {"shortest_wave_m": SHORTEST_WAVE},
+            "sea": {"shortest_wave_m": SHORTEST_WAVE, "glint": _glint(correlation)},
         }
     )
+
+
+def _glint(correlation: Correlation) -> dict[str, str | float]:
+    return {"correlation": "waves"} if correlation == "waves" else {"correlation": "time", "correlation_time_s": CORRELATION_TIME}
 
 
 def sequence(scene: Scene, times: FloatArray, report: Progress = ignore_progress) -> NDArray[np.float32]:
@@ -202,27 +216,34 @@ class Table1:
     analysis: Analysis
     through_detector: Analysis
     by_blur: dict[float, Rates]
+    waves: Analysis
+    waves_through_detector: Analysis
 
     def rows(self) -> dict[str, ArticleRow]:
         """Return the article's value and ours by region, threshold and quantity; absent values are None."""
         out: dict[str, ArticleRow] = {}
         sensed = _alarms(self.through_detector)
+        waves, waves_sensed = _alarms(self.waves), _alarms(self.waves_through_detector)
         for (region, threshold), alarm in _alarms(self.analysis).items():
             rate, time = ARTICLE[region][threshold]
             ratio = None if rate is None else rate / alarm.gaussian_rate
             name, through_detector = f"{region}_{threshold:g}_sigma", sensed[region, threshold]
             interval = {"interval_95": _interval(alarm), "note": alarm.note}
             interval |= {"detector_interval_95": _interval(through_detector), "detector_note": through_detector.note}
+            both = waves[region, threshold], waves_sensed[region, threshold]
+            for prefix, one in zip(("waves", "waves_detector"), both, strict=True):
+                interval |= {f"{prefix}_interval_95": _interval(one), f"{prefix}_note": one.note}
             blurred = self._of_blurs(region, threshold)
             times = {f"blur_{blur:g}_px": _seconds(value) for blur, value in blurred.items()}
             ratios = {f"blur_{blur:g}_px": value.ratio for blur, value in blurred.items()}
-            out[f"rate_{name}"] = SensedRow(rate, alarm.rate, "1", interval, through_detector.rate)
-            out[f"times_gaussian_{name}"] = SensedRow(ratio, alarm.ratio, "1", ratios, through_detector.ratio)
-            out[f"correlation_time_{name}"] = SensedRow(time, alarm.correlation_time_s, "s", times, through_detector.correlation_time_s)
+            out[f"rate_{name}"] = SensedRow(rate, alarm.rate, "1", interval, through_detector.rate, *(one.rate for one in both))
+            out[f"times_gaussian_{name}"] = SensedRow(ratio, alarm.ratio, "1", ratios, through_detector.ratio, *(one.ratio for one in both))
+            seconds = (alarm.correlation_time_s, through_detector.correlation_time_s, *(one.correlation_time_s for one in both))
+            out[f"correlation_time_{name}"] = SensedRow(time, seconds[0], "s", times, *seconds[1:])
         return out
 
     def columns(self) -> dict[str, FloatArray]:
-        """Return the rows as columns of a CSV file, one row for each threshold: as rendered, through the detector, with other blurs."""
+        """Return columns of a CSV file, one row for each threshold: as rendered, through the detector, with other blurs, by waves."""
         thresholds = sorted(ARTICLE["glint"])
         alarms, sensed = _alarms(self.analysis), _alarms(self.through_detector)
         keys = ("rate", "rate_low", "rate_high", "ratio", "correlation_time_s")
@@ -241,6 +262,10 @@ class Table1:
                 name = f"{region}_blur_{blur:g}_px"
                 columns[f"{name}_rate"] = [value.rate for value in values]
                 columns[f"{name}_correlation_time_s"] = [_seconds(value) for value in values]
+        for prefix, analysis in (("waves", self.waves), ("waves_detector", self.waves_through_detector)):
+            by_waves = _alarms(analysis)
+            for region in ARTICLE:
+                columns |= {f"{region}_{prefix}_{key}": [getattr(by_waves[region, m], key) for m in thresholds] for key in keys}
         return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}  # None becomes NaN
 
     def settings(self) -> JsonObject:
@@ -260,6 +285,8 @@ class Table1:
             "wind_speed_m_s": s.wind.speed_m_s,
             "solar_zenith_deg": None if sun is None else sun.zenith_deg,
             "shortest_wave_m": s.sea.shortest_wave_m,
+            "sparkles": "by a correlation time, except in the columns of waves, where the waves that are no geometry decide",
+            "glint_correlation_time_s": s.sea.glint.correlation_time_s,
             "filter": self.analysis.options.filter.name,
             "sigma_of": "the region in each frame",
             "regions": f"glint: mean mirrored Sun at least {CORRIDOR_SHARE:g} of its row's largest; background: the rest of the sea",
@@ -318,21 +345,38 @@ def table1(report: Progress = ignore_progress, frames: int = FRAMES) -> Table1:
     ----------
     Source article, Table 1 and Figs. 4, 6 and 7.
     """
-    wide = scene(frames=frames, margin=MARGIN)
-    prepared = prepare_sequence(wide).scene
-    images = sequence(prepared, np.arange(frames) / FRAME_RATE, report)
     # Blur needs light from beyond the border, so a wider picture is rendered and cut afterwards.
     inner = np.s_[..., MARGIN:-MARGIN, MARGIN:-MARGIN]
-    mask = corridor(prepared.view, scenario_physics.camera(wide))[inner]
+    pictures: dict[Correlation, NDArray[np.float32]] = {}
+    for number, correlation in enumerate(get_args(Correlation)):
+        wide = scene(frames=frames, margin=MARGIN, correlation=correlation)
+        prepared = prepare_sequence(wide).scene
+        pictures[correlation] = sequence(prepared, np.arange(frames) / FRAME_RATE, _part(report, number * frames, 2 * frames))
+        # The mean sea, and so the corridor, is the same for both.
+        mask = corridor(prepared.view, scenario_physics.camera(wide))[inner]
     options = AnalysisOptions(mask=mask)
     # A set, because the assumed blur is usually one of the others too.
-    blurred = {blur: detector(blur).focal_plane(images)[inner] for blur in {BLUR_PX, *BLURS_PX}}
+    blurred = {blur: detector(blur).focal_plane(pictures["time"])[inner] for blur in {BLUR_PX, *BLURS_PX}}
+    own = beyond_pixel(detector())
+    waves_blurred = detector(BLUR_PX).focal_plane(pictures["waves"])[inner]
     return Table1(
         scene(frames=frames),
-        analyze(_recording("rendered glint sequence", images[inner], 0.0), options),
-        analyze(_recording("glint sequence through a detector", blurred[BLUR_PX], beyond_pixel(detector())), options),
+        analyze(_recording("rendered glint sequence", pictures["time"][inner], 0.0), options),
+        analyze(_recording("glint sequence through a detector", blurred[BLUR_PX], own), options),
         {blur: blurred_rates(blurred[blur], mask) for blur in BLURS_PX},
+        analyze(_recording("rendered glint sequence, sparkles by waves", pictures["waves"][inner], 0.0), options),
+        analyze(_recording("glint sequence, sparkles by waves, through a detector", waves_blurred, own), options),
     )
+
+
+def _part(report: Progress, before: int, total: int) -> Progress:
+    """Return a report of a part as progress of the whole."""
+
+    def of_whole(done: int, _: int) -> None:
+        if done or not before:
+            report(before + done, total)
+
+    return of_whole
 
 
 def _recording(name: str, images: NDArray[np.float32], blur_px: float) -> Recording:

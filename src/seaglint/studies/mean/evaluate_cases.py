@@ -517,7 +517,7 @@ def evaluate_scattered(
 def _mean_results(
     view: SeaView, *, elevation: FloatArray, azimuth: float, surface: SeaSurface, pixel: FloatArray, waves: DirectionalSpectrum | None
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the values of ``MEAN_COLUMNS`` at elevations of one azimuth [rad], in pixels of a solid angle [sr], over waves to the north."""
+    """Return the values of ``MEAN_COLUMNS`` at elevations of one azimuth [rad], in pixels [sr], over waves that run to the north."""
     from seaglint.radiance.lit_variance import WaveGlint
     from seaglint.radiance.mean_radiance import mean_radiance
     from seaglint.radiance.variance import sea_variance

@@ -208,7 +208,7 @@ def mean(scenario: Scenario, progress: Progress | None = None, *, sea_draws: int
             scenario.seed,
             mean_mode=scenario.mean.mode,
             mean_shadowing=view.shadowing.word,
-            glint_correlation_length_m=length,
+            **_correlation(length),
             mss_up=view.slopes.mss_up,
             mss_cross=view.slopes.mss_cross,
             **scenario_physics.light_attributes(scenario),
@@ -274,6 +274,11 @@ def _wave_file(scenario: Scenario) -> dict[str, str | int]:
     # The digest identifies the waves where the file moves or changes.
     source = {"measured_sea": spectrum.kind} if path is None else {"wave_file": str(path), "wave_file_sha256": digest(Path(path))}
     return {**source, "measured_waves_used": int(used)}
+
+
+def _correlation(correlation: float | WaveGlint) -> dict[str, str | float]:
+    """Return the length of the sea's cells [m], or the name of what replaces it."""
+    return {"glint_correlation": "waves"} if isinstance(correlation, WaveGlint) else {"glint_correlation_length_m": correlation}
 
 
 def _of_rows(
