@@ -69,7 +69,7 @@ def fake_render(scenario, output, *, frames=None, threads=None, resume=False, ov
     )  # fmt: skip
 
 
-def fake_mean(scenario, progress: object = None):
+def fake_mean(scenario, progress: object = None, *, sea_draws: int | None = None):
     """Map of noise."""
     azimuth, elevation = _axes(scenario)
     attributes = provenance("Noise", scenario.model_dump_json(), scenario.seed, **band_attributes(Band.rectangular(3.5, 5.0)))

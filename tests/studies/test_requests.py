@@ -21,6 +21,7 @@ from seaglint.studies.study_requests import (
     EvaluationRequest,
     FitRequest,
     LikelihoodRequest,
+    MeanCasesRequest,
     PlaceRequest,
     SampleRequest,
 )
@@ -28,7 +29,7 @@ from seaglint.studies.study_requests import (
 FUNCTIONS: list[tuple[Callable[..., Any], type, set[str]]] = [
     (evaluate_atmosphere, BandsRequest, {"bands", "extrapolate"}),
     (evaluate_emissivity, EvaluationRequest, {"extrapolate"}),
-    (evaluate_mean, BandsRequest, {"bands", "extrapolate"}),
+    (evaluate_mean, MeanCasesRequest, {"bands", "extrapolate", "sea_draws"}),
     (evaluate_scattered, BandsRequest, {"bands", "extrapolate"}),
     (likelihood_map, LikelihoodRequest, {"step"}),
     (along_track, LikelihoodRequest, {"track", "forecast", "wind_spread", "cover_spread"}),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from seaglint.base.errors import DataError
 from seaglint.base.parameters import documented
-from seaglint.studies.study_requests import AirRequest, BandsRequest, EvaluationRequest, SlopesRequest
+from seaglint.studies.study_requests import AirRequest, EvaluationRequest, MeanCasesRequest, SlopesRequest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -117,12 +117,13 @@ def emissivity(
     return _evaluated(cases, evaluate_emissivity, extrapolate, output, overwrite, progress)
 
 
-@documented(BandsRequest)
+@documented(MeanCasesRequest)
 def mean(
     cases: CasesInput,
     *,
     bands: Sequence[str | tuple[float, float]],
     extrapolate: bool = False,
+    sea_draws: int | None = None,
     output: str | Path | None = None,
     overwrite: bool = False,
     progress: Progress | None = None,
@@ -146,8 +147,8 @@ def mean(
     Returns
     -------
     xarray.Dataset
-        Over ``case`` and ``band``: ``radiance_W_m2_sr``, ``apparent_temperature_K``, ``std_W_m2_sr``; the columns of the cases over
-        ``case``.
+        Over ``case`` and ``band``: ``radiance_W_m2_sr``, ``apparent_temperature_K``, ``std_W_m2_sr``, with ``sea_draws`` of each also
+        ``..._sea_unknown_low`` and ``..._sea_unknown_high``; the columns of the cases over ``case``.
 
     Raises
     ------
@@ -165,7 +166,9 @@ def mean(
     """
     from seaglint.studies.mean.evaluate_cases import evaluate_mean
 
-    return _evaluated(cases, partial(evaluate_mean, bands=_bands(bands)), extrapolate, output, overwrite, progress)
+    MeanCasesRequest(sea_draws=sea_draws)
+    compute = partial(evaluate_mean, bands=_bands(bands), sea_draws=sea_draws)
+    return _evaluated(cases, compute, extrapolate, output, overwrite, progress)
 
 
 @documented(AirRequest)

@@ -153,6 +153,7 @@ def detect(
     frames: int = 32,
     precision: float | None = None,
     time_budget: float | None = None,
+    sea_draws: int | None = None,
     design: bool = False,
     p_fa: float | None = None,
     frame_rate: float | None = None,
@@ -255,6 +256,7 @@ def detect_scene(
     precision: float | None = None,
     precision_fa: float | None = None,
     time_budget: float | None = None,
+    sea_draws: int | None = None,
     workers: int | Workers | None = None,
     progress: Progress | None = None,
 ) -> ResultRecord:
@@ -323,6 +325,7 @@ def detect_design(
     precision: float | None = None,
     precision_fa: float | None = None,
     time_budget: float | None = None,
+    sea_draws: int | None = None,
     p_fa: float | None = None,
     alarms_per_hour: float | None = None,
     p_d: float | None = None,

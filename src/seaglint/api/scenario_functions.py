@@ -177,7 +177,7 @@ def load(source: SceneInput) -> Scenario:
 
 
 @documented(MeanRequest)
-def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Dataset:
+def mean(scenario: SceneInput, *, sea_draws: int | None = None, progress: Progress | None = None) -> xr.Dataset:
     """Map mean radiance and apparent temperature over the view.
 
     Parameters
@@ -189,7 +189,8 @@ def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Datase
     Returns
     -------
     xarray.Dataset
-        Maps (y, x) with units, coordinates and provenance, as ``seaglint mean`` writes them; radiances [W m-2 sr-1].
+        Maps (y, x) with units, coordinates and provenance, as ``seaglint mean`` writes them; radiances [W m-2 sr-1]. With ``sea_draws``
+        also ``radiance_sea_low``, ``radiance_sea_high`` and the same of ``apparent_temperature`` and ``glint_std``.
 
     Raises
     ------
@@ -206,7 +207,7 @@ def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Datase
     from seaglint.store.netcdf import labelled
     from seaglint.studies.mean.mean_map import mean as computed
 
-    return with_band(labelled(computed(scenario_of(scenario), progress)))
+    return with_band(labelled(computed(scenario_of(scenario), progress, sea_draws=sea_draws)))
 
 
 def image(scenario: SceneInput, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:
@@ -323,6 +324,7 @@ def likelihood(
     cover_spread: float = 0.0,
     best: bool = False,
     date: str | None = None,
+    sea_draws: int | None = None,
     workers: int | Workers | None = None,
     progress: Progress | None = None,
 ) -> ResultRecord | xr.Dataset:
@@ -341,7 +343,8 @@ def likelihood(
     Returns
     -------
     ResultRecord or xarray.Dataset
-        Chances of the thresholds with their intervals and causes, ``plot()`` draws them; with ``by_month`` a map, ``probability`` [1] over
+        Chances of the thresholds with their intervals and causes, ``plot()`` draws them, and with ``sea_draws`` the ends of the interval
+        over the seas between the campaigns; with ``by_month`` a map, ``probability`` [1] over
         ``threshold, month, latitude, longitude``; with ``track`` the chance of each threshold [1] over ``time`` along the way, and with
         ``forecast`` beside it ``forecast_probability`` and the weather of the forecast; with ``best`` the ``probability`` of each
         threshold, hour, depression and bearing, and of them ``best``, ``worst`` and ``best_by_hour``.
@@ -362,7 +365,15 @@ def likelihood(
     way = None if track is None else path_of(track, "track")
     ahead = None if forecast is None else path_of(forecast, "forecast")
     LikelihoodRequest(
-        by_month=by_month, step=step, track=way, forecast=ahead, wind_spread=wind_spread, cover_spread=cover_spread, best=best, date=date
+        by_month=by_month,
+        step=step,
+        track=way,
+        forecast=ahead,
+        wind_spread=wind_spread,
+        cover_spread=cover_spread,
+        best=best,
+        date=date,
+        sea_draws=sea_draws,
     )
     loaded = scenario_of(scenario)
     if by_month:
@@ -378,7 +389,7 @@ def likelihood(
         return _best_looks(loaded, date, progress)
     from seaglint.studies.likelihood.glint_chance import likelihood as computed
 
-    result = computed(loaded, progress=progress)
+    result = computed(loaded, progress=progress, sea_draws=sea_draws)
     summary = result.summary()
 
     def draw() -> Figure:
@@ -411,7 +422,13 @@ def _best_looks(scenario: Scenario, date: str | None, progress: Progress | None)
 def _shown(summary: LikelihoodSummary) -> str:
     """Return the table of a notebook: the chance of each threshold."""
     from seaglint.base.representation import card, notes, table
+    from seaglint.studies.sea_draws import sea_line
 
     rows = [(row.threshold_w_m2_sr, row.probability, row.interval, row.false_alarms_per_hour) for row in summary.results]
     head = ("threshold [W m-2 sr-1]", "probability", "95 % interval", "false alarms an hour")
-    return card(f"{summary.case}: {summary.quantity}", table(head, rows) + notes(summary.notes))
+    seas = [
+        f"{row.threshold_w_m2_sr:g} W m-2 sr-1, {sea_line(row.sea_unknown_low, row.sea_unknown_high, row.sea_draws)}"
+        for row in summary.results
+        if row.sea_draws is not None and row.sea_unknown_low is not None and row.sea_unknown_high is not None
+    ]
+    return card(f"{summary.case}: {summary.quantity}", table(head, rows) + notes([*seas, *summary.notes]))

@@ -302,6 +302,7 @@ def ensemble(
     resume: bool = False,
     overwrite: bool = False,
     draw_only: bool = False,
+    sea_draws: int | None = None,
     progress: Progress | None = None,
 ) -> list[TableRow]:
     """Draw scenes from laws of a scenario's keys and render each.

@@ -11,6 +11,9 @@ from typing import Final
 #: Wind speeds at 10 m for which the roughness law of the sea is evaluated [m/s]; far wider than the data behind it.
 WIND_PROFILE: Final = (0.0, 40.0)
 
+#: Winds at 10 m for which Elfouhaily's spectrum is evaluated [m/s]; the data behind it are of 2-24 m/s.
+ELFOUHAILY_WIND: Final = (0.5, 30.0)
+
 COX_MUNK_WIND: Final = (0.0, 20.0)  #: Wind speeds for which Cox and Munk's fits of a clean sea are used without ``extrapolate`` [m/s].
 
 #: Wind speeds for which Cox and Munk's fit of a slick sea is used without ``extrapolate`` [m/s]: the winds of all their photographs.

@@ -99,6 +99,15 @@ VARIABLES: Final[dict[str, Variable]] = {
         _radiance("glint_radiance", "in-band sunlight reflected by the sea, at the aperture"),
         _radiance("glint_std", "standard deviation of in-band sunlight reflected by the sea, in a pixel"),
         Variable("apparent_temperature", "K", "apparent temperature", "brightness_temperature"),
+        *(
+            Variable(f"{name}_sea_{end}", units, f"{what}, {share} of the seas between the campaigns are below", symbol=symbol)
+            for name, units, symbol, what in (
+                ("radiance", *_RADIANCE, "in-band radiance at the aperture"),
+                ("apparent_temperature", "K", "", "apparent temperature"),
+                ("glint_std", *_RADIANCE, "standard deviation of in-band sunlight reflected by the sea, in a pixel"),
+            )
+            for end, share in (("low", "5 %"), ("high", "95 %"))
+        ),
         Variable("signal", "count", "signal of the detector", symbol="counts", dtype="uint16"),
         Variable("electrons", "1", "electrons of a pixel, noise and background in them", symbol="electrons"),
         Variable("texture", "1", "values of a statistical texture"),

@@ -268,6 +268,14 @@ def _silent(text: str) -> None:
     pass
 
 
+def _unknown(result: JsonObject, name: str) -> str:
+    """Return the interval of a number over drawn seas in words; empty without one."""
+    from seaglint.studies.sea_draws import COUNT, HIGH, LOW, sea_line
+
+    low, high = result.get(f"{name}_{LOW}"), result.get(f"{name}_{HIGH}")
+    return "" if low is None or high is None else f"; {sea_line(low, high, result[COUNT])}"
+
+
 def study_lines(study: Study) -> list[str]:
     """Return the results of a study as lines of text."""
     out = []
@@ -277,11 +285,11 @@ def study_lines(study: Study) -> list[str]:
             f"{named + ': ' if named else ''}{result['frames']} frames of {result['seas']} seas, {result['columns']} x {result['rows']}, "
             f"detector {result['detector']}, threshold {result['threshold_sigma']:.4g} sigma"
         )
-        out.append(f"  P_fa {result['p_fa']:.4g} per pixel and frame{between(result['p_fa_interval'])}")
+        out.append(f"  P_fa {result['p_fa']:.4g} per pixel and frame{between(result['p_fa_interval'])}{_unknown(result, 'p_fa')}")
         for row in result["sweep"]:
             out.append(
                 f"  contrast {row['contrast']:g} {row['contrast_unit']}: P_d {row['p_d']:.4g}{between(row['p_d_interval'])} "
-                f"of {row['injections']}"
+                f"of {row['injections']}{_unknown(row, 'p_d')}"
             )
         design = result.get("design")
         if design is not None and design.get("contrast") is not None:
@@ -289,7 +297,7 @@ def study_lines(study: Study) -> list[str]:
             doubt = "" if design["believed"] else "; its threshold is extrapolated from too few false alarms"
             out.append(
                 f"  P_d {design['p_d']:g} at P_fa {design['p_fa']:.2g} ({design['threshold_sigma']:.3g} sigma) needs contrast "
-                f"{design['contrast']:.4g} {design['contrast_unit']}{loss}{doubt}"
+                f"{design['contrast']:.4g} {design['contrast_unit']}{loss}{doubt}{_unknown({**result, **design}, 'contrast')}"
             )
         elif design is not None:
             out.append(f"  design: {design['note']}")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from seaglint.scenario.ensemble_file import Ensemble
 
 
-@takes_records(order="source output workers dask dask_slurm threads resume overwrite draw_only show")
+@takes_records(order="source output workers dask dask_slurm threads resume overwrite draw_only sea_draws show")
 def ensemble(
     source: Annotated[Path, typer.Argument(metavar="ENSEMBLE.toml", help="file with a base scenario and laws for its keys")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder for scenes and tables")],
@@ -48,12 +48,33 @@ def ensemble(
             resume=request.resume,
             overwrite=request.overwrite,
             draw_only=request.draw_only,
+            sea_draws=request.sea_draws,
             progress=report,
         )
     count = loaded.ensemble.scenes
     drawn = f"drawn; render them with --resume, or one with: seaglint render {output}/scenes/0000.toml"
     outcome = drawn if request.draw_only else "rendered"
     log(f"{output}: {count} scene{'s' if count > 1 else ''} {outcome}; what was drawn is in {output / 'parameters.csv'}")
+    if request.sea_draws is not None:
+        log(widest_line(output))
+
+
+def widest_line(folder: Path) -> str:
+    """Return the interval 'sea unknown' of the scene in which the standard deviation of glint is least known, in plain words."""
+    from seaglint.formats.weather.weather_cells import read_cells
+    from seaglint.studies.mean.field_numbers import FIELD_NUMBERS
+    from seaglint.studies.sea_draws import COUNT, HIGH, LOW, sea_line
+
+    name, table = FIELD_NUMBERS[-1], folder / "sea_unknown.csv"
+    cells = read_cells(table)
+    rows = [i for i, text in enumerate(cells.text(name)) if text]
+    if not rows:
+        return f"{table}: no scene has sea in view"
+    low, high = ([float(cells.text(f"{name}_{end}")[i]) for i in rows] for end in (LOW, HIGH))
+    k = max(range(len(rows)), key=lambda i: high[i] / max(low[i], 1e-300))
+    scene, value = cells.text("scene")[rows[k]], float(cells.text(name)[rows[k]])
+    line = sea_line(low[k], high[k], int(cells.text(COUNT)[rows[k]]), unit="W m-2 sr-1")
+    return f"{table} written; widest in scene {scene}, standard deviation of glint {value:.4g} W m-2 sr-1; {line}"
 
 
 def tell_cost(loaded: Ensemble, run: RunOptions) -> None:

@@ -15,7 +15,7 @@ from seaglint.cli.terminal.messages import log, naming_file, print_json, print_l
 from seaglint.cli.terminal.options import AsJson, LateProgressOption
 from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 from seaglint.cli.terminal.record_options import takes_records
-from seaglint.studies.study_requests import AirRequest, BandsRequest, EvaluationRequest, SlopesRequest
+from seaglint.studies.study_requests import AirRequest, EvaluationRequest, MeanCasesRequest, SlopesRequest
 
 if TYPE_CHECKING:
     from seaglint.studies.mean.evaluate_cases import Columns
@@ -41,6 +41,7 @@ def _run(path: Path, output: Path, request: EvaluationRequest, show: ProgressMod
     """Read cases, compute and write; errors in names of files are raised before the work."""
     from seaglint.formats.tables.input_tables import read_cases, write_cases
     from seaglint.store.outputs import refuse_existing, require_ending
+    from seaglint.studies.mean.evaluate_cases import widest_sea_lines
 
     # The output may replace the cases: it contains all their rows and columns.
     require_ending(output, (".csv", ".txt"), "the results are a CSV file")
@@ -52,6 +53,8 @@ def _run(path: Path, output: Path, request: EvaluationRequest, show: ProgressMod
     more = ", ..." if len(replaced) > 3 else ""
     note = f"; {len(replaced)} columns of {path} computed anew: {', '.join(replaced[:3])}{more}" if replaced else ""
     log(f"{output}: {len(cases)} rows written{note}")
+    for line in widest_sea_lines(columns):
+        log(line)
 
 
 @evaluate.command()
@@ -85,8 +88,8 @@ def emissivity(cases: CasesFile, output: Output, request: EvaluationRequest, sho
 
 
 @evaluate.command()
-@takes_records(order="cases output bands")
-def mean(cases: CasesFile, output: Output, request: BandsRequest, show: LateProgressOption = ProgressMode.AUTO) -> None:
+@takes_records(order="cases output bands sea_draws")
+def mean(cases: CasesFile, output: Output, request: MeanCasesRequest, show: LateProgressOption = ProgressMode.AUTO) -> None:
     """Mean radiance of the sea, and standard deviation of glint.
 
     Columns needed: atmosphere (a model's name), wind_speed_m_s (at 10 m), sensor_height_m, depression_deg, solar_zenith_deg,
@@ -94,11 +97,12 @@ def mean(cases: CasesFile, output: Output, request: BandsRequest, show: LateProg
     radiance_W_m2_sr, apparent_temperature_K, std_W_m2_sr. Cox-Munk slopes, shadowed towards viewer and Sun: isotropic, or with the
     column wind_from_deg (where the wind comes from, clockwise from the Sun's azimuth) along and across the wind, or as a column slopes
     specifies (cox-munk-isotropic, cox-munk-anisotropic, cox-munk-gram-charlier); salt water; Sun at 1 au; glint forgotten after 0.07 s.
+    With --sea-draws N also ..._sea_unknown_low and ..._sea_unknown_high of each column, over N seas at the wind of the row, and sea_draws.
     """
     _one_thread()
     from seaglint.studies.mean.evaluate_cases import evaluate_mean, parse_bands
 
-    _run(cases, output, request, show, partial(evaluate_mean, bands=parse_bands(request.bands)))
+    _run(cases, output, request, show, partial(evaluate_mean, bands=parse_bands(request.bands), sea_draws=request.sea_draws))
 
 
 @evaluate.command()

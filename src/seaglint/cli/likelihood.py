@@ -24,7 +24,8 @@ _BEST_FILES = ("best_looks.json", "best_looks.csv", "best_looks.png")
 
 
 @takes_records(
-    order="scenario output as_json by_month step track forecast wind_spread cover_spread best date overwrite show workers dask dask_slurm"
+    order="scenario output as_json by_month step track forecast wind_spread cover_spread best date "
+    "sea_draws overwrite show workers dask dask_slurm"
 )
 def likelihood(
     scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with a table [likelihood]")],
@@ -61,7 +62,7 @@ def likelihood(
     from seaglint.studies.likelihood.glint_chance import likelihood as compute
 
     with naming_file(scenario, loaded), progress(run.show, "steps") as report:
-        result = compute(loaded, progress=report)
+        result = compute(loaded, progress=report, sea_draws=request.sea_draws)
     summary = result.summary()
     for note in summary.notes:
         log(note)
@@ -74,12 +75,16 @@ def likelihood(
 
 def lines(summary: LikelihoodSummary) -> list[str]:
     """Return a result as lines of text."""
+    from seaglint.studies.sea_draws import sea_line
+
     out = [f"{summary.case}, {summary.quantity}; {summary.samples} draws, clouds by '{summary.clouds}'"]
     out += [f"  {'threshold [W m-2 sr-1]':>24}  {'probability':>12}  95 % interval"]
     for row in summary.results:
         low, high = row.interval
         more = "" if row.false_alarms_per_hour is None else f"  {row.false_alarms_per_hour:.4g} false alarms an hour"
         out.append(f"  {row.threshold_w_m2_sr:>24g}  {row.probability:>12.5g}  {low:.5g} to {high:.5g}{more}")
+        if row.sea_draws is not None and row.sea_unknown_low is not None and row.sea_unknown_high is not None:
+            out.append(f"  {'':>24}  {sea_line(row.sea_unknown_low, row.sea_unknown_high, row.sea_draws, '.5g')}")
     up, free = summary.sun_up.share, summary.sun_free_of_clouds
     if summary.moon_up is None:
         out.append(f"  Sun up in {100 * up:.4g} % of the draws, free of clouds in {100 * free:.4g} %")

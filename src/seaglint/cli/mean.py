@@ -15,7 +15,7 @@ from seaglint.cli.terminal.record_options import takes_records
 from seaglint.studies.study_requests import MeanRequest
 
 
-@takes_records(order="scenario output overwrite preview scale")
+@takes_records(order="scenario output overwrite sea_draws preview scale")
 def mean(
     request: MeanRequest,
     output: Annotated[Path, typer.Option("-o", "--output", help="NetCDF file to write")],
@@ -43,9 +43,14 @@ def mean(
     from seaglint.studies.mean.mean_map import mean as mean_map
 
     with naming_file(request.scenario, loaded), patient_progress(show, "map") as report:
-        dataset = mean_map(loaded, report)
+        dataset = mean_map(loaded, report, sea_draws=request.sea_draws)
     if "air_note" in dataset.attrs:
         log(dataset.attrs["air_note"])
+    if request.sea_draws is not None:
+        from seaglint.studies.mean.mean_map import brightest_lines
+
+        for line in brightest_lines(dataset):
+            log(line)
     write_netcdf(dataset, output, overwrite=request.overwrite)
     log(f"{output} written")
     if preview:

@@ -16,11 +16,16 @@ class ThresholdChance:
     interval: list[float]  #: Ends of its 95 % interval [1].
     false_alarms_per_hour: float | None = None  #: False alarms of all pixels [h-1], where they are the requested quantity.
     false_alarms_per_hour_interval: list[float] | None = None  #: Ends of their 95 % interval [h-1].
+    sea_unknown_low: float | None = None  #: Chance that 5 % of the seas between the campaigns are below [1]; None without drawn seas.
+    sea_unknown_high: float | None = None  #: Chance that 5 % of the seas between the campaigns are above [1].
+    sea_unknown_median: float | None = None  #: Median of the seas between the campaigns [1].
+    sea_draws: int | None = None  #: Number of these seas.
+    false_alarms_per_hour_sea_unknown: list[float] | None = None  #: Both ends for false alarms, where they are requested [h-1].
 
     def as_row(self) -> TableRow:
-        """Return the numbers; false alarms only where they are requested."""
-        alarms = ("false_alarms_per_hour", "false_alarms_per_hour_interval")
-        return {name: value for name, value in asdict(self).items() if name not in alarms or value is not None}
+        """Return the numbers; false alarms and the interval over drawn seas only where they are requested."""
+        always = ("threshold_w_m2_sr", "probability", "interval")
+        return {name: value for name, value in asdict(self).items() if name in always or value is not None}
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 STEPS: Final = 13  #: Number of steps of the facets' steepness: up to 6 deviations.
 
-ARCS: Final = 3  #: Number of arcs of a level at which pixels are computed; logarithms are linear in between.
+ARCS: Final = 9  #: Number of arcs of a level at which pixels are computed; logarithms are linear in between.
 
 TYPICAL: Final = 1.0  #: Steepness of the facets that mirror the Sun, in deviations: their mean square towards a Sun in the mirror's middle.
 

@@ -194,8 +194,16 @@ def _unit(result: JsonObject) -> str:
     return str(result.get("contrast_unit") or result["units"] or "")
 
 
+def _of_seas(row: TableRow, name: str) -> list[Any]:
+    """Return the ends of a rate over drawn seas."""
+    return [row.get(f"{name}_sea_unknown_low"), row.get(f"{name}_sea_unknown_high")]
+
+
 def _summary(good: Sequence[DetectionCase]) -> str:
     head = ["case", "detector", "contrast", "unit", "P_d", "interval", "P_fa", "interval", "for P_d 0.9", "loss [dB]", "seas", "stopped by"]
+    drawn = any("sea_draws" in case.done.result for case in good)
+    # Beside the intervals of counting, where seas between the campaigns were drawn.
+    head += ["sea unknown: P_d", "sea unknown: P_fa", "seas between the campaigns"] if drawn else []
     lines = []
     for case in good:
         result = case.done.result
@@ -215,6 +223,8 @@ def _summary(good: Sequence[DetectionCase]) -> str:
                 number(result.get("seas")),
                 result.get("stopped") or "",
             ]
+            if drawn:
+                line += [interval(_of_seas(row, "p_d")), interval(_of_seas(row, "p_fa")), number(row.get("sea_draws"))]
             lines.append(line)
     return table(head, lines, words=(0,))
 

@@ -202,6 +202,12 @@ def _thresholds(axes: Axes, summary: LikelihoodSummary) -> None:
     low, high = np.array([row.interval for row in rows]).T
     # Rounding may put an estimate just outside its interval, and Matplotlib refuses negative lengths of bars.
     axes.errorbar(x, p, yerr=[np.maximum(p - low, 0.0), np.maximum(high - p, 0.0)], marker="o", capsize=3)
+    seas = [(row.threshold_w_m2_sr, row.sea_unknown_low, row.sea_unknown_high) for row in rows if row.sea_unknown_high is not None]
+    if seas:
+        at, least, most = np.array(seas, dtype=np.float64).T
+        axes.vlines(at, least, most, color="0.7", lw=6.0, zorder=0, label=f"sea unknown ({rows[0].sea_draws} seas between the campaigns)")
+        axes.legend(fontsize="small")
+        high = np.maximum(high, most.max())
     axes.set(
         xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability [1]", title="by threshold", ylim=(0.0, 1.1 * max(float(high.max()), 1e-6))
     )

@@ -82,6 +82,7 @@ class WaveGlint:
         sun_up: ArrayLike,
         slant_range: ArrayLike,
         solid_angle: ArrayLike,
+        solar_azimuth: float | None = None,
     ) -> FloatArray:
         r"""Relative variance of the mirrored Sun in square pixels, ``v = K A+/(Omega r^2)`` with Smith's projected area ``A+`` [1].
 
@@ -95,6 +96,8 @@ class WaveGlint:
             As in :func:`seaglint.radiance.variance.patches`.
         sun_up : array_like
             Cosine of the zenith angle of the visible part of the Sun [1].
+        solar_azimuth : float, optional
+            Azimuth of the Sun [rad]; without it slopes are taken as equal in all directions.
 
         Returns
         -------
@@ -103,13 +106,13 @@ class WaveGlint:
 
         Notes
         -----
-        The mirroring slope counts by its size alone, and hiding by Smith's law: variances along and across the wind differ by a factor of
-        two at most.
+        Looks to both sides of the Sun have the mean of both, as the angle of incidence does not distinguish them. Hiding is Smith's of
+        slopes equal in all directions; images hide by nested bands.
         """
         cosine = np.maximum(np.asarray(cos_incidence, np.float64), 1e-9)
         upward = np.maximum(np.cos(np.asarray(view_zenith, np.float64)), 1e-6)
         tilt = np.clip((upward + np.asarray(sun_up, np.float64)) / (2.0 * cosine), 1e-3, 1.0)
-        steepness = np.sqrt(np.maximum(1.0 / tilt**2 - 1.0, 0.0) * 2.0 / max(slopes.mss, 1e-300))
+        steepness = np.sqrt(np.maximum(1.0 / tilt**2 - 1.0, 0.0) * _inverse_variance(slopes, cosine, upward, sun_up, solar_azimuth))
         # the disc in slopes is larger where the Sun is met at a grazing angle
         spread = radius / (2.0 * np.sqrt(tilt**3 * cosine))
         width = np.sqrt(np.asarray(solid_angle, np.float64)) * np.asarray(slant_range, np.float64)
@@ -170,6 +173,25 @@ def variance_by_wind(
             glint, slopes = at(node)
             total[near] += weight[near] * np.log(glint.relative_variance(slopes, radius, *(look[near] for look in looks)))
     return np.exp(total)
+
+
+def _inverse_variance(
+    slopes: SlopeStatistics, cosine: FloatArray, view_up: FloatArray, sun_up: ArrayLike, solar_azimuth: float | None
+) -> FloatArray:
+    """Squared steepness of the mirroring slope over its square [1], from the direction that the angle of incidence implies."""
+    least = max(slopes.mss, 1e-300) * 1e-6
+    up, cross = max(slopes.mss_up, least), max(slopes.mss_cross, least)
+    if solar_azimuth is None:
+        return np.asarray(2.0 / (up + cross))
+    sun = np.asarray(sun_up, np.float64)
+    level = np.sqrt(np.maximum((1.0 - view_up**2) * (1.0 - sun**2), 1e-12))
+    aside = np.clip((2.0 * cosine**2 - 1.0 - view_up * sun) / level, -1.0, 1.0)
+    # horizontal directions to viewer and Sun, along and across the Sun's azimuth; the slope points against their sum
+    along = np.sqrt(np.maximum(1.0 - view_up**2, 0.0)) * aside + np.sqrt(np.maximum(1.0 - sun**2, 0.0))
+    across = np.sqrt(np.maximum((1.0 - view_up**2) * (1.0 - aside**2), 0.0))
+    size = np.maximum(along**2 + across**2, 1e-12)
+    double = (along**2 - across**2) / size * math.cos(2.0 * (solar_azimuth - slopes.wind_to_azimuth))
+    return np.asarray(0.5 * ((1.0 + double) / up + (1.0 - double) / cross))
 
 
 @lru_cache(maxsize=64)

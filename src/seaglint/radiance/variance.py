@@ -280,7 +280,7 @@ def sea_variance(
             cosine = np.where(shown, mirrored.cos_incidence[sea], 1.0)
             up = math.cos(visible_sun(light.solar_zenith)[1])
             look = (theta[sea][:, None], up, distance[:, None], omega[sea][:, None])
-            share = correlation.relative_variance(view.slopes, light.disc.lit_radius, cosine, *look)
+            share = correlation.relative_variance(view.slopes, light.disc.lit_radius, cosine, *look, light.solar_azimuth)
             variance[sea] += np.where(shown, mirrored.sun[sea] ** 2 * share, 0.0)
             continue
         variance[sea] += glint_variance(

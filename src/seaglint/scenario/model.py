@@ -15,6 +15,7 @@ from pydantic import model_validator
 
 from seaglint.base.free_form import TomlTables
 from seaglint.base.limits import (
+    ELFOUHAILY_WIND,
     FOAM_WINDS,
     LOWTRAN_BAND_UM,
     LOWTRAN_HEIGHTS,
@@ -115,6 +116,31 @@ class Scenario(Record):
         return self
 
     @model_validator(mode="after")
+    def _drawn_sea_has_short_waves(self) -> Self:
+        if self.sea.uncertainty == "none":
+            if self.sea.short_wave_levels is not None:
+                raise rule("sea.short_wave_levels", "is for sea.uncertainty = 'campaigns' alone; set that, or leave it out")
+            return self
+        if (reason := self.sea_not_drawn) is not None:
+            raise rule("sea.uncertainty", f"= 'campaigns' {reason}", value="campaigns")
+        return self
+
+    @property
+    def sea_not_drawn(self) -> str | None:
+        """Reason why no sea between the campaigns can be drawn for this scenario, with the remedy; None where it can."""
+        match self.sea.slopes.kind:
+            case "flat":
+                return "draws short waves, and sea.slopes.kind = 'flat' is a mirror; set another kind"
+            case "cox-munk-slick":
+                return "draws the short waves of clean seas, and sea.slopes.kind = 'cox-munk-slick' has a slick on it; set another kind"
+        if self.mean.mode == "article":
+            return "draws short waves, and mean.mode = 'article' has the slopes of Cox and Munk alone; set mean.mode = 'spectral'"
+        if self.wind.speed_m_s > ELFOUHAILY_WIND[1]:
+            speed, most = self.wind.speed_m_s, ELFOUHAILY_WIND[1]
+            return f"draws the short waves of winds of 0 to {most:g} m/s, and wind.speed_m_s = {speed:g}; set a lighter wind"
+        return None
+
+    @model_validator(mode="after")
     def _objects_have_names_and_places(self) -> Self:
         names: set[str] = set()
         for item in self.objects or ():
@@ -199,6 +225,8 @@ class Scenario(Record):
             raise rule("wind.speed_m_s", text, value=speed, allowed=NAVY_AEROSOL_WIND)
         if isinstance(slopes, FlatSlopes | SpectrumSlopes) or slopes.extrapolate or speed <= slopes.winds[1]:
             return self
+        if self.sea.uncertainty != "none":
+            return self  # slopes of a drawn sea are those of its waves
         text = f"= {speed:g} is above the {slopes.kind} slope fit; allowed: 0 to {slopes.winds[1]:g} m/s, or set {ask}"
         raise rule("wind.speed_m_s", text, value=speed, allowed=slopes.winds)
 

@@ -376,7 +376,7 @@ class WaveField:
         for tile, waves in zip(self.tiles, self._lattices, strict=True):
             low, high = max(tile.k_min, k_min), min(tile.k_max, k_max)
             if low < high:
-                q, p = np.meshgrid(*_lattice_numbers(tile), indexing="ij")
+                q, p = np.meshgrid(*_lattice_numbers(waves.k_east.shape[1] - 1), indexing="ij")
                 along, against = _variances(self.spectrum, replace(tile, k_min=low, k_max=high), p, q)
                 energy = along + against
                 # the lower half of the column u = 0 repeats its upper half

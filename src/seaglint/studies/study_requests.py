@@ -24,6 +24,31 @@ if TYPE_CHECKING:
     from seaglint.clutter.filters import Filter
 
 
+MOST_SEAS: Final = 1000  #: Largest number of drawn seas: more change no end of an interval by more than 3 % of its width.
+
+#: Parameter of requests whose results have an interval over seas between the campaigns.
+SEA_DRAWS: Final = Parameter(
+    "also compute N seas between two measured campaigns and Elfouhaily's model, and give the interval 'sea unknown', 5 to 95 % of them",
+    metavar="N",
+    python="Number of further seas between two measured campaigns and Elfouhaily's model, of which the interval 'sea unknown' is "
+    "given, 5 to 95 % of them. Their slopes are those of their waves, whatever ``sea.slopes`` says; 2 or more.",
+)
+
+SeaDraws = Annotated[int | None, SEA_DRAWS]  #: Number of drawn seas; None where the sea is not varied.
+
+
+def require_sea_draws(draws: int | None, name: str = "sea_draws") -> None:
+    """Refuse a number of seas from which no interval can be taken, or that takes too long.
+
+    Raises
+    ------
+    DataError
+        A number outside 2 to ``MOST_SEAS``.
+    """
+    if draws is not None and not 2 <= draws <= MOST_SEAS:
+        raise DataError(f"{name} = {draws} is outside 2 to {MOST_SEAS}; give the number of seas to draw, e.g. 20, or leave it out")
+
+
 Overwrite = Annotated[bool, Parameter("replace what stands at the output", "Run")]  #: Whether files that are there already are replaced.
 
 
@@ -289,6 +314,11 @@ class MeanRequest:
         Path, Parameter("scenario file; 'seaglint init my.toml' writes one", metavar="SCENARIO.toml", python="See :func:`sg.load`.")
     ]
     overwrite: Overwrite = False
+    sea_draws: SeaDraws = None
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that are not allowed."""
+        require_sea_draws(self.sea_draws)
 
 
 @dataclass(frozen=True)
@@ -327,6 +357,17 @@ class BandsRequest(EvaluationRequest):
             python="Bands inside the tables, as ``parse_bands`` gives them.",
         ),
     ] = ()
+
+
+@dataclass(frozen=True)
+class MeanCasesRequest(BandsRequest):
+    """Request to evaluate the mean radiance of a table of cases."""
+
+    sea_draws: SeaDraws = None
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that are not allowed."""
+        require_sea_draws(self.sea_draws)
 
 
 @dataclass(frozen=True)
@@ -432,14 +473,18 @@ class LikelihoodRequest:
     date: Annotated[
         str | None, Parameter("date for `best`, UTC, e.g. 2026-06-21; default: that of [time]", metavar="DATE", subject="date")
     ] = None
+    sea_draws: SeaDraws = None
 
     def __post_init__(self) -> None:
         """Refuse several results at once, and options without use."""
+        require_sea_draws(self.sea_draws)
         ways = [f"`{name}`" for name, given in (("by_month", self.by_month), ("track", self.track), ("best", self.best)) if given]
         if len(ways) > 1:
             raise DataError(f"{' and '.join(ways)} are given: a map, the way of a ship and the best look are different results; give one")
         if self.date is not None and not self.best:
             raise DataError(f"date = {self.date}: is for `best` alone; other results have the times of the scenario")
+        if self.sea_draws is not None and ways:
+            raise DataError(f"sea_draws = {self.sea_draws}: is for the chances of the thresholds alone; leave it or {ways[0]} out")
         if self.forecast is not None and self.track is None:
             raise DataError("a forecast is given without a track: it is read along one; give `track`, a CSV of the way")
         for name, most, unit in (("wind_spread", 50.0, "m/s"), ("cover_spread", 1.0, "share of the sky")):

@@ -88,6 +88,8 @@ Slopes = Annotated[
 
 _Width = Annotated[float, Quantity("deg", ge=1, le=80)]
 
+_Level = Annotated[float, Quantity(ge=0, le=1)]
+
 
 class Elfouhaily(Record):
     """Elfouhaily et al. 1997, fully developed, at the scenario's wind."""
@@ -327,6 +329,20 @@ class Sea(Record):
         Literal["linear", "second-order"],
         about("heights of the geometry: linear: Gaussian; second-order: with bound waves, sharp crests and flat troughs"),
     ] = "linear"
+    uncertainty: Annotated[
+        Literal["none", "campaigns"],
+        about(
+            "campaigns: short waves drawn by the seed between two measured campaigns and Elfouhaily's model, slopes those of all waves "
+            "whatever sea.slopes says; none: the sea as specified"
+        ),
+    ] = "none"
+    short_wave_levels: Annotated[
+        tuple[_Level, _Level] | None,
+        about(
+            "for uncertainty = 'campaigns', place between the least (0) and the largest (1) saturation at 5 and at 1000 rad/m; "
+            "default: drawn by the seed"
+        ),
+    ] = None
     slopes: Annotated[
         Slopes, about("slope statistics of the whole sea; a measured wavenumber spectrum has its own by default: kind = 'spectrum'")
     ] = CoxMunkAnisotropic()

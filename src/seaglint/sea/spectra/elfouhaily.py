@@ -15,10 +15,11 @@ from numpy.typing import ArrayLike
 from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+from seaglint.base.limits import ELFOUHAILY_WIND
 from seaglint.sea.spectra.directional import DirectionalSpectrum, downwind
 from seaglint.sea.wind_profile import FULLY_DEVELOPED, friction_velocity, require_wind
 
-VALID_WIND: Final = (0.5, 30.0)  #: Winds at 10 m for which the model is evaluated [m/s]; the data behind it are of 2-24 m/s.
+VALID_WIND: Final = ELFOUHAILY_WIND  #: Winds at 10 m for which the model is evaluated [m/s]; the data behind it are of 2-24 m/s.
 
 #: Allowed inverse wave ages [1], from fully developed to very young seas (the paper's own limits are 0.84 and 5).
 VALID_INVERSE_WAVE_AGE: Final = (0.83, 5.0)

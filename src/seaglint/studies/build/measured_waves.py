@@ -134,8 +134,8 @@ def _report_many_slopes(mss: float, speed: float, name: str) -> None:
     expected = cox_munk_isotropic(speed, extrapolate=True).mss
     if mss >= MANY_SLOPES * expected:
         log.warning(
-            "seaglint: %s has a slope variance of %.2g at %.3g m/s, %.2g times Cox and Munk's (%.2g); check the units: wavenumbers in rad/m "
-            "or cycles/m, and which of saturation, elevation_m3 and slope_m the values are",
+            "seaglint: %s has a slope variance of %.2g at %.3g m/s, %.2g times Cox and Munk's (%.2g); check the units: wavenumbers in "
+            "rad/m or cycles/m, and which of saturation, elevation_m3 and slope_m the values are",
             name,
             mss,
             speed,

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from seaglint.air.profile.absorber_densities import refractivity
+from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.air_profile import AirProfile, model_profile
 from seaglint.air.profile.air_sums import AirSums, GasRays
 from seaglint.air.profile.band_laws import OwnGases, Spectroscopy, with_gases
 from seaglint.air.profile.bent_ray import trapping_layers
-from seaglint.air.profile.aerosols import HazeWeather
 from seaglint.air.profile.marine_layer import with_marine_layer
 from seaglint.air.profile.profile_atmosphere import THERMAL_UM, Levels, ProfileAtmosphere
 from seaglint.air.protocol import wavenumber_grid

@@ -58,7 +58,7 @@ from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 from seaglint.sea.wave_field import WaveField
 from seaglint.studies.build.measured_waves import Waves
 from seaglint.studies.build.profile_air import ComputedAir, profile_atmosphere, program_sounding
-from seaglint.studies.build.waves_and_slopes import slopes, waves
+from seaglint.studies.build.waves_and_slopes import drawn_sea_facts, slopes, waves
 
 
 def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: str) -> Track:
@@ -453,7 +453,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
     """
     resolved = waves(scenario) if scenario.sea.resolve_waves else Waves(None)
     spectral = resolved.spectrum
-    facts: JsonObject = {"facet_density": facet_density(statistics)}
+    facts: JsonObject = {"facet_density": facet_density(statistics), **drawn_sea_facts(scenario)}
     if resolved.sources:
         facts["wave_spectra"] = json.dumps(resolved.sources)  # NetCDF has no lists of tables
     none = {

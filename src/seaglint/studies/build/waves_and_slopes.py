@@ -1,12 +1,14 @@
 """Wave spectra and slope statistics of a scenario's sea.
 
-Spectra are models at the scenario's wind, files, and sums of both.
+Spectra are models at the scenario's wind, files, and sums of both. With ``sea.uncertainty = "campaigns"`` their short waves are replaced by
+those of a sea between two measured campaigns and a model (:mod:`seaglint.sea.spectra.campaign_draws`), from which all slopes follow.
 """
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 from typing import Final, assert_never
 
@@ -14,6 +16,7 @@ import numpy as np
 
 from seaglint.base.conventions import travel_azimuth
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
+from seaglint.base.free_form import JsonObject
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import sea_tables as requested_sea
 from seaglint.scenario.records.sea_tables import FlatSea
@@ -21,6 +24,7 @@ from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
 from seaglint.sea.slopes.slope_statistics import LIGHTEST, SlopeStatistics, at_least_residual, flat
+from seaglint.sea.spectra.campaign_draws import SHORTEST, ShortWaveLevels, drawn_levels, drawn_sea
 from seaglint.sea.spectra.combined import CalmSpectrum, CombinedSpectrum
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
@@ -36,7 +40,7 @@ _FILE_KEYS: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a f
 
 
 def waves(scenario: Scenario) -> Waves:
-    """Return the waves of a scenario.
+    """Return the waves of a scenario; with ``sea.uncertainty = "campaigns"`` those of a drawn sea.
 
     Raises
     ------
@@ -45,6 +49,14 @@ def waves(scenario: Scenario) -> Waves:
     DataError
         A file that cannot be read, or has nothing near the requested time and place.
     """
+    specified = _specified(scenario)
+    if scenario.sea.uncertainty == "none" or isinstance(scenario.sea.spectrum, FlatSea):
+        return specified
+    return replace(specified, spectrum=_drawn(scenario, specified.spectrum))
+
+
+def _specified(scenario: Scenario) -> Waves:
+    """Return the waves that the scenario specifies."""
     match scenario.sea.spectrum:
         case requested_sea.FlatSea():
             return Waves(None)
@@ -67,6 +79,40 @@ def has_wind_sea(scenario: Scenario) -> bool:
     table = scenario.sea.spectrum
     systems = table.systems if isinstance(table, requested_sea.WaveSystems) else (table,)
     return any(isinstance(system, requested_sea.Elfouhaily | requested_sea.PiersonMoskowitz) for system in systems)
+
+
+def levels(scenario: Scenario) -> ShortWaveLevels:
+    """Return the place of a drawn sea between the campaigns: as specified, or by the seed."""
+    given = scenario.sea.short_wave_levels
+    return drawn_levels(scenario.seed) if given is None else ShortWaveLevels(*given)
+
+
+def _drawn(scenario: Scenario, longer: DirectionalSpectrum | None) -> DirectionalSpectrum | None:
+    """Return a sea with drawn short waves and the longer ones of a spectrum."""
+    speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
+    return drawn_sea(speed, levels(scenario), to, longer, directed=has_wind_sea(scenario) or _is_measured(scenario))
+
+
+def _all_drawn(scenario: Scenario) -> DirectionalSpectrum | None:
+    """Return the spectrum of all waves of a drawn sea; where none is geometry, the longer ones are Elfouhaily's."""
+    if not isinstance(scenario.sea.spectrum, FlatSea):
+        return spectrum(scenario)
+    speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
+    return None if speed == 0.0 else drawn_sea(speed, levels(scenario), to, elfouhaily(speed, to))
+
+
+def drawn_sea_facts(scenario: Scenario) -> JsonObject:
+    """Return the levels of a drawn sea, its slope variance and the wavenumber at which it ends, for the provenance; empty without one."""
+    if scenario.sea.uncertainty == "none":
+        return {}
+    place, sea = levels(scenario), _all_drawn(scenario)
+    return {
+        "sea_uncertainty": scenario.sea.uncertainty,
+        "short_wave_level_long": place.long,
+        "short_wave_level_short": place.short,
+        "drawn_sea_mss": 0.0 if sea is None else sum(sea.mss()),
+        "drawn_sea_cut_rad_m": SHORTEST,
+    }
 
 
 @lru_cache(maxsize=64)
@@ -155,7 +201,8 @@ def slopes(scenario: Scenario) -> SlopeStatistics:
     """Return the slope statistics of the whole sea, with the covariances of longer waves; isotropic laws have no direction."""
     sea = spectrum(scenario)
     statistics = _law(scenario, sea)
-    if isinstance(scenario.sea.slopes, requested_sea.CoxMunkIsotropic) or isinstance(scenario.sea.spectrum, FlatSea):
+    specified = scenario.sea.uncertainty == "none"
+    if (specified and isinstance(scenario.sea.slopes, requested_sea.CoxMunkIsotropic)) or isinstance(scenario.sea.spectrum, FlatSea):
         return statistics
     if statistics.directed is None or statistics.directed >= 1.0:
         return statistics if sea is None else _nested(statistics, sea)
@@ -182,6 +229,10 @@ def _nested(statistics: SlopeStatistics, waves: DirectionalSpectrum | None, calm
 def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics:
     """Return the slope statistics by the scenario's slope law, which may be the spectrum of its waves."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
+    if scenario.sea.uncertainty != "none":
+        drawn = _all_drawn(scenario) if isinstance(scenario.sea.spectrum, FlatSea) else sea
+        # A sea without wind still has residual slopes, as the fits of Cox and Munk have.
+        return at_least_residual(SlopeStatistics(0.0, 0.0, to) if drawn is None else spectrum_slopes(drawn))
     match scenario.sea.slopes:
         case requested_sea.CoxMunkIsotropic(extrapolate=extrapolate):
             return cox_munk_isotropic(speed, extrapolate=extrapolate)

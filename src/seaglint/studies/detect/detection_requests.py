@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal, Self
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.parameters import Parameter
 from seaglint.detection.detector_names import CHOICE, TRIED
-from seaglint.studies.study_requests import TIME_LIMIT, ReadingRequest, WeightsFile, filter_of, values_of
+from seaglint.studies.study_requests import SEA_DRAWS, TIME_LIMIT, ReadingRequest, WeightsFile, filter_of, require_sea_draws, values_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -321,6 +321,7 @@ class SceneRequest(CasesRequest, SpotRequest):
     precision: Annotated[float | None, Parameter("half width of the interval of P_d that is enough", "Scenes")] = None
     precision_fa: Annotated[float | None, Parameter("the same of P_fa, as a share of it", "Scenes")] = None
     time_budget: Annotated[float | None, Parameter("longest time for all cases [s]", "Scenes", least=0)] = None
+    sea_draws: Annotated[int | None, SEA_DRAWS._replace(group="Scenes")] = None
 
     def strength(self) -> Strength | None:
         """Return the stated contrasts with their unit; None where none are stated.
@@ -363,6 +364,7 @@ class SceneRequest(CasesRequest, SpotRequest):
         self.design()
         super().require_valid()
         self.strength()
+        require_sea_draws(self.sea_draws)
         for name, value in (("precision", self.precision), ("precision of P_fa", self.precision_fa)):
             if value is not None and not 0.0 < value < 1.0:
                 raise DomainError(f"{name} = {value:g} is not between 0 and 1; give e.g. 0.02")

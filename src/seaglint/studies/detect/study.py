@@ -10,6 +10,7 @@ import pickle
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, TypeVar
 
 from seaglint.base.conventions import Progress
@@ -20,12 +21,14 @@ from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
 from seaglint.clutter.filters import named as named_filter
 from seaglint.detection.interface import Detector
-from seaglint.store.detection_results import DetectionCase, DetectionRange, StudyParts
+from seaglint.scenario.model import Scenario
+from seaglint.store.detection_results import DetectionCase, DetectionRange, DetectorResult, StudyParts
 from seaglint.studies.detect.detection_requests import CasesRequest, RangeRequest, SceneRequest
 from seaglint.studies.detect.performance import DetectionOptions, require_detector
 from seaglint.studies.detect.range_search import detection_range
 from seaglint.studies.detect.rendered_seas import Clock, run_scene
 from seaglint.studies.detect.scene_frames import bare, frames_key
+from seaglint.studies.detect.unknown_sea import with_unknown_sea
 from seaglint.studies.detect.varied_cases import StudyCase, flattened
 
 Options = TypeVar("Options", bound=DetectionOptions | CasesRequest)
@@ -156,6 +159,12 @@ def run_study(
             own = with_settings(request, case.study)
             key = case_key(case, own)
             stored = parts.case(key)
+            evaluations = 1 + (own.sea_draws or 0)
+            name = begun.named or f"case {number}"
+            # The rest of the budget is shared evenly by what is left: the seas of this case, and the cases after it.
+            share = None if left is None else max(left, 0.0) / (len(cases) - number) / evaluations
+            clock = partial(Clock, share)
+            shown = partial(_shown, progress, number, request.seas, len(cases), evaluations)
             if stored is not None:
                 current = DetectionCase.of(stored)
             else:
@@ -163,16 +172,28 @@ def run_study(
                     stopped = f"stopped after {number} of {len(cases)} cases: the time budget of {budget:g} s is reached"
                     unfinished = True
                     break
-                clock = Clock(None if left is None else max(left, 0.0) / (len(cases) - number))
-                shown = None if progress is None else _shown(progress, number, request.seas, len(cases))
-                name = current.named or f"case {number}"
-                judged = run_scene(case.scenario, own, parts, clock=clock, name=name, progress=shown, workers=workers)
+                judged = run_scene(case.scenario, own, parts, clock=clock(), name=name, progress=shown(0), workers=workers)
                 current = replace(current, judged=judged)
                 # A case that ran out of time is computed further by a resumed study.
                 if judged.stopped == "time budget":
                     unfinished = True
                 else:
                     parts.keep_case(key, current.as_dict())
+
+            def in_sea(sea_number: int, sea: Scenario, same: SceneRequest) -> DetectorResult:
+                """Evaluate the detector in a drawn sea; a stored result is used unchanged."""
+                drawn = replace(case, scenario=sea)  # noqa: B023 - called within this turn of the loop
+                sea_key, sea_name = case_key(drawn, same), f"{name}, sea {sea_number}"  # noqa: B023
+                if (stored := parts.case(sea_key)) is not None:
+                    return DetectionCase.of(stored).done
+                result = run_scene(sea, same, parts, clock=clock(), name=sea_name, progress=shown(1 + sea_number), workers=workers)  # noqa: B023
+                if result.stopped != "time budget":
+                    parts.keep_case(sea_key, replace(begun, judged=result).as_dict())  # noqa: B023
+                for length in {1, int(result.result["frames_needed"])}:
+                    parts.forget_frames(frames_key(sea, length))
+                return result
+
+            current = replace(current, judged=with_unknown_sea(case.scenario, own, current.done, in_sea))
         except SeaglintError as error:
             if len(cases) == 1:
                 raise
@@ -189,8 +210,11 @@ def run_study(
     return Study(out, stopped, unfinished)
 
 
-def _shown(progress: Progress, number: int, seas: int, cases: int) -> Progress:
-    return lambda done, _: progress(number * seas + done, cases * seas)
+def _shown(progress: Progress | None, number: int, seas: int, cases: int, evaluations: int, evaluation: int) -> Progress | None:
+    """Return the progress of one evaluation of a case: that of the scenario's sea, or that of a drawn one."""
+    if progress is None:
+        return None
+    return lambda done, _: progress((number * evaluations + evaluation) * seas + done, cases * evaluations * seas)
 
 
 def _line(number: int, cases: int, case: DetectionCase) -> str:
@@ -200,7 +224,8 @@ def _line(number: int, cases: int, case: DetectionCase) -> str:
     first = result["sweep"][0]
     rate = "none" if first["p_d"] is None else f"{first['p_d']:.3g}"
     seas = result["seas"]
-    return f"case {number + 1} of {cases}{': ' + named if named else ''}: {seas} seas, P_d {rate} at contrast {first['contrast']:g}"
+    drawn = f" and {result['sea_draws']} between the campaigns" if "sea_draws" in result else ""
+    return f"case {number + 1} of {cases}{': ' + named if named else ''}: {seas} seas{drawn}, P_d {rate} at contrast {first['contrast']:g}"
 
 
 def ranges_of(

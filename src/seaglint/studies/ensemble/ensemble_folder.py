@@ -21,7 +21,7 @@ from seaglint.studies.ensemble.law_draws import EnsembleScene
 from seaglint.studies.ensemble.scene_attempts import forget_attempts
 
 _REMEDY: Final = "make room and run the same command with --resume"
-_TABLES: Final = ("parameters", "objects")
+_TABLES: Final = ("parameters", "objects", "sea_unknown")
 _ENDINGS: Final = (".csv", ".parquet")
 MOST_LISTED: Final = 5  #: Largest number of differing keys that an error lists; more are counted.
 
@@ -97,6 +97,11 @@ class Folder:
                     write_text(scene.text, path)
         self._write_table("parameters", [scene.row for scene in scenes])
         self._write_table("objects", object_rows(scenes))
+
+    def write_sea_unknown(self, rows: list[TableRow]) -> None:
+        """Write the table of the scenes' numbers with their intervals over drawn seas."""
+        with storage_errors(self.path, _REMEDY):
+            self._write_table("sea_unknown", rows)
 
     def _write_table(self, name: str, rows: list[TableRow]) -> None:
         for ending in _ENDINGS:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 from seaglint.base.parameters import Parameter
-from seaglint.studies.study_requests import WorkRequest
+from seaglint.studies.study_requests import WorkRequest, require_sea_draws
 
 if TYPE_CHECKING:
     from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions
@@ -30,6 +30,19 @@ class EnsembleRequest(ScenesRequest):
 
     resume: Annotated[bool, Parameter("render the scenes that are missing", "Run")] = False
     draw_only: Annotated[bool, Parameter("write scenario files and tables, and render nothing")] = False
+    sea_draws: Annotated[
+        int | None,
+        Parameter(
+            "table sea_unknown.csv of mean radiance, brightest pixel and standard deviation of glint of each scene, with the interval 'sea "
+            "unknown': 5 to 95 % of N seas between two measured campaigns and Elfouhaily's model",
+            metavar="N",
+            detail="Scenes are rendered with their own sea; drawn seas have the slopes of their waves, whatever ``sea.slopes`` says.",
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that are not allowed."""
+        require_sea_draws(self.sea_draws)
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,12 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.conventions import Progress
-from seaglint.base.errors import DataError, ScenarioError
+from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.free_form import TableRow
 from seaglint.base.threads import thread_limit
 from seaglint.cluster import Failed, Job, ThisProcess, Workers
@@ -34,8 +35,11 @@ from seaglint.studies.ensemble.ensemble_folder import Folder
 from seaglint.studies.ensemble.label_outlook import report_unseen
 from seaglint.studies.ensemble.law_draws import EnsembleScene, SingleLaw, count_key, prepared
 from seaglint.studies.ensemble.scene_attempts import forget_scene, rendered_store, scene_stage
+from seaglint.studies.mean.field_numbers import field_numbers
+from seaglint.studies.sea_draws import part_of, require_drawn
 from seaglint.studies.sequence.memory import give_back, require_memory_of_all
 from seaglint.studies.sequence.sequence_work import SceneCache
+from seaglint.studies.study_requests import require_sea_draws
 
 MANY: Final = 16  #: Least number of scenes whose cost is worth the time of one frame.
 
@@ -140,6 +144,7 @@ def render_ensemble(
     resume: bool = False,
     overwrite: bool = False,
     draw_only: bool = False,
+    sea_draws: int | None = None,
     progress: Progress | None = None,
 ) -> Path:
     """Draw an ensemble, write its scenarios and tables, and render its scenes.
@@ -159,6 +164,9 @@ def render_ensemble(
         Render the scenes that are missing, or begin anew.
     draw_only : bool
         Leave the scenes unrendered; with ``resume`` they are rendered later.
+    sea_draws : int, optional
+        Number of seas between the campaigns of which ``sea_unknown.csv`` gives intervals for each scene
+        (``seaglint.studies.mean.field_numbers``).
     progress : callable, optional
         Called with (scenes done, scenes in all).
 
@@ -178,8 +186,12 @@ def render_ensemble(
     """
     folder = Folder(refuse_file_ending(Path(output), "an ensemble"))
     folder.check(resume=resume, overwrite=overwrite)
+    require_sea_draws(sea_draws)
     drawn = draw(ensemble)
     report_unseen(drawn)
+    if sea_draws is not None:
+        for scene in drawn:
+            _named(scene, require_drawn)
     if not draw_only:
         require_memory_of_all(scene.scenario for scene in drawn)
     with ExitStack() as stack:
@@ -194,8 +206,26 @@ def render_ensemble(
             labels = [scene.label for scene in drawn]
             with storage_errors(folder.path, "make room and run the same again with resume=True"):
                 stage = stack.enter_context(scene_stage(folder.path, claim, {label: folder.store(label) for label in labels}))
-            _render(folder, stage, labels, workers, threads, progress)
+            # With drawn seas the rendering is the first half of the work in its report.
+            _render(folder, stage, labels, workers, threads, progress if sea_draws is None else part_of(progress, 0, 2))
+        if sea_draws is not None:
+            # In this process: a scene takes seconds at most, where its rendering takes minutes.
+            rows: list[TableRow] = []
+            for scene in drawn:
+                rows.append({"scene": scene.number, **_named(scene, partial(field_numbers, draws=sea_draws))})
+                if progress is not None:
+                    rendered = 0 if draw_only else len(drawn)
+                    progress(rendered + len(rows), rendered + len(drawn))
+            folder.write_sea_unknown(rows)
     return folder.path
+
+
+def _named(scene: EnsembleScene, function: Callable[[Scenario], Any]) -> Any:
+    """Return the result of a function for the scenario of a scene; errors name the scene."""
+    try:
+        return function(scene.scenario)
+    except (ScenarioError, DomainError) as error:
+        raise DataError(f"scene {scene.number}: {error}") from error
 
 
 @dataclass(frozen=True)

@@ -362,6 +362,13 @@ class LikelihoodModel:
         top = min(_strongest(self.scenario), wind)
         return self if top <= self.winds[1] else replace(self, winds=(self.winds[0], top))
 
+    def of_sea(self, scenario: Scenario) -> LikelihoodModel:
+        """Return the model for a scenario that differs in its sea's short waves alone; all but the slopes is shared."""
+        new = replace(self, scenario=scenario)
+        # What this model has computed is shared; the slopes alone are computed again.
+        new.__dict__.update({name: value for name, value in self.__dict__.items() if name in (*_SHARED, "_air") and name != "seas"})
+        return new
+
     def of_months(self, months: tuple[int, ...]) -> LikelihoodModel:
         """Return the model for other months; tables of air and sea are shared."""
         settings = self.settings.model_copy(update={"months": months})
@@ -435,6 +442,8 @@ def _models(scenario: Scenario, table: WeatherTable) -> tuple[tuple[str, ...], N
 def _strongest(scenario: Scenario) -> float:
     """Return the strongest wind of the sea's slopes [m/s]."""
     law = scenario.sea.slopes
+    if scenario.sea.uncertainty != "none":
+        return NAVY_AEROSOL_WIND[1]  # the drawn short waves follow the weather's wind, whatever the longer ones
     if isinstance(law, SpectrumSlopes | FlatSlopes):
         if isinstance(law, SpectrumSlopes) and scenario.sea.spectrum.kind not in ("elfouhaily", "pierson-moskowitz", "jonswap"):
             measured = isinstance(scenario.sea.spectrum, MeasuredWaves)

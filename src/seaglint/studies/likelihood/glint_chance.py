@@ -32,6 +32,8 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.waves_and_slopes import slopes
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
+from seaglint.studies.sea_draws import SeaUnknown
+from seaglint.studies.sea_draws import sea_draws as drawn_seas
 
 #: Uniform numbers of a draw, those that matter most first.
 DIMENSIONS: Final = ("hour", "row", "depression", "day", "across", "azimuth", "cover", "wind", "height", "along")
@@ -97,6 +99,7 @@ class GlintLikelihood:
     estimates: tuple[Estimate, ...]
     strata: tuple[tuple[StratumChance, ...], ...]  #: Strata of every threshold.
     values: tuple[FloatArray, ...]  #: Values of every threshold and draw.
+    unknown: tuple[SeaUnknown, ...] = ()  #: Interval of every threshold over seas between the campaigns; empty without them.
 
     @property
     def sun_up(self) -> Estimate:
@@ -123,6 +126,7 @@ class GlintLikelihood:
                 ends = [chance.low * rate, chance.high * rate]
                 result = replace(result, false_alarms_per_hour=chance.value * rate, false_alarms_per_hour_interval=ends)
             results.append(result)
+        results = [_with_seas(result, seas, rate) for result, seas in zip(results, self.unknown, strict=True)] if self.unknown else results
         up, moon_up = self.sun_up, self.moon_up
         needed = exceeded_by(self.draws.radiance, self.draws.illuminated, NEEDED_SHARES, self.draws.weight)
         return LikelihoodSummary(
@@ -182,8 +186,27 @@ class GlintLikelihood:
         return 3600.0 * rate * sensor.pixels[0] * sensor.pixels[1]
 
 
+def _with_seas(result: ThresholdChance, seas: SeaUnknown, rate: float | None) -> ThresholdChance:
+    """Return a chance with its interval over drawn seas."""
+    low, high = float(seas.low), float(seas.high)
+    alarms = None if rate is None else [low * rate, high * rate]
+    return replace(
+        result,
+        sea_unknown_low=low,
+        sea_unknown_high=high,
+        sea_unknown_median=float(seas.median),
+        sea_draws=seas.draws,
+        false_alarms_per_hour_sea_unknown=alarms,
+    )
+
+
 def likelihood(
-    scenario: Scenario, *, weather: WeatherTable | None = None, progress: Progress | None = None, model: LikelihoodModel | None = None
+    scenario: Scenario,
+    *,
+    weather: WeatherTable | None = None,
+    progress: Progress | None = None,
+    model: LikelihoodModel | None = None,
+    sea_draws: int | None = None,
 ) -> GlintLikelihood:
     """Return the chances that the mirrored Sun exceeds the scenario's thresholds.
 
@@ -197,18 +220,26 @@ def likelihood(
         Called with (steps done, steps in all).
     model : LikelihoodModel, optional
         Prepared model, for many scenarios of the same air and sea.
+    sea_draws : int, optional
+        Number of seas between the campaigns over which the interval 'sea unknown' is given. All have the draws of the scenario's sea:
+        weather, times, looks and their weights.
 
     Raises
     ------
     SeaglintError
         Files or settings that models refuse.
     """
-    report = progress or (lambda done, total: None)
-    report(0, 3)
+    seas = [] if sea_draws is None else drawn_seas(scenario, sea_draws)
+    steps, told = 3 + len(seas), progress or (lambda done, total: None)
+
+    def report(done: int, total: int = steps) -> None:
+        told(done, total)
+
+    report(0)
     model = model or LikelihoodModel.of(scenario, weather)
-    report(1, 3)
+    report(1)
     drawn = draw(model, aim=aimed(model))
-    report(2, 3)
+    report(2)
     thresholds = model.settings.threshold_w_m2_sr
     values = tuple(draw_values(model, drawn, threshold) for threshold in thresholds)
     estimates = tuple(estimate(v, drawn.plan, weight=drawn.weight, heaviest=drawn.heaviest) for v in values)
@@ -222,8 +253,16 @@ def likelihood(
     by_threshold = tuple(
         (*divided(v, classes, t), *divided(one, of_looks, t)) for t, v, one in zip(thresholds, values, one_look, strict=True)
     )
-    report(3, 3)
-    return GlintLikelihood(model=model, draws=drawn, thresholds=thresholds, estimates=estimates, strata=by_threshold, values=values)
+    report(3)
+    chances = np.empty((len(seas), len(thresholds)))
+    for number, sea in enumerate(seas):
+        of_sea = model.of_sea(sea)
+        looks_at_sea = draw(of_sea, aim=drawn.aim)
+        for k, threshold in enumerate(thresholds):
+            chances[number, k] = np.average(draw_values(of_sea, looks_at_sea, threshold), weights=looks_at_sea.weight)
+        report(4 + number)
+    unknown = tuple(SeaUnknown.of(chances[:, k]) for k in range(len(thresholds))) if seas else ()
+    return GlintLikelihood(model, drawn, thresholds, estimates, by_threshold, values, unknown)
 
 
 def cloud_law(model: LikelihoodModel) -> CloudLaw:

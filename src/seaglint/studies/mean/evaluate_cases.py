@@ -31,14 +31,21 @@ from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.moonlight import MEAN_MOON_DISTANCE, moon_radius, moon_to_sun
 from seaglint.optics.sea_water import hale_querry_sea
+from seaglint.scenario.records.sea_tables import Sea
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
-from seaglint.sea.slopes.from_spectrum import nested_in
-from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics, at_least_residual
+from seaglint.sea.spectra.campaign_draws import ShortWaveLevels, drawn_sea
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.studies.build.waves_and_slopes import elfouhaily
-from seaglint.studies.study_requests import AirRequest, BandsRequest, EvaluationRequest
+from seaglint.studies.sea_draws import COUNT, HIGH, LOW, SeaUnknown, levels_of, sea_line
+from seaglint.studies.study_requests import AirRequest, EvaluationRequest, MeanCasesRequest
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from seaglint.facet.sea_view import SeaView
+    from seaglint.facet.surface_spectra import SeaSurface
 
 Columns = dict[str, FloatArray | list[str]]
 
@@ -52,6 +59,8 @@ SLOPES: Final = "slopes"  #: Another that may be missing: the slope model of eac
 
 SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gram-charlier")
 
+SHORTEST_WAVE: Final = Sea().shortest_wave_m  #: Shortest wave that is geometry, as in a scenario [m].
+
 EXTRAPOLATED: Final = "extrapolated"  #: Column with the names of the extrapolated columns of each row, if extrapolation is requested.
 
 ATMOSPHERE_INPUTS: Final = (
@@ -63,6 +72,10 @@ MEAN_INPUTS: Final = (
     "ifov_mrad",
 )  # fmt: skip
 
+MEAN_COLUMNS: Final = ("radiance_W_m2_sr", "apparent_temperature_K", "std_W_m2_sr")  #: Columns of the mean radiance, for each band.
+
+TABLE_SEED: Final = 1  #: Seed of the seas that are drawn for a table, a scenario's default.
+
 SCATTERED_INPUTS: Final = (
     "kind", "atmosphere", "wind_speed_m_s", "sensor_height_m", "elevation_deg", "azimuth_from_sun_deg", "solar_zenith_deg",
 )  # fmt: skip
@@ -70,7 +83,7 @@ SCATTERED_INPUTS: Final = (
 #: Units by the ending of a column's name, longer endings first.
 UNITS: Final = {"_W_m2_sr": "W m-2 sr-1", "_W_m2": "W m-2", "_K": "K", "_k": "K", "_deg": "degree", "_m_s": "m s-1", "_um": "um", "_m": "m"}
 
-SHARES: Final = ("emissivity", "tau_mean")  #: Columns without a unit.
+SHARES: Final = ("emissivity", "tau_mean", COUNT)  #: Columns without a unit.
 
 _CHUNK: Final = 1024  #: Rows at a time: their spectra (2 MB each) stay near the processor.
 
@@ -95,12 +108,6 @@ def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> Slo
     """Return the slopes of a wind at 10 m towards an azimuth [rad], over waves of Elfouhaily's spectrum, a scenario's default."""
     statistics = _law(kind, speed, towards, extrapolate)
     return statistics if kind == SLOPE_KINDS[0] else replace(statistics, nesting=_nesting(kind, speed, extrapolate))
-
-
-def _case_slopes(extrapolate: bool, kind: str, speed: float) -> SlopeStatistics:
-    """Return the slopes of a model at a wind, which is taken from the fit's range at most."""
-    least, most = (0.0, WIND_PROFILE[1]) if extrapolate else COX_MUNK_WIND
-    return slopes_of(kind, min(max(speed, least), most), 0.0, extrapolate)
 
 
 def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
@@ -302,8 +309,34 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
     return {"emissivity": values, **({EXTRAPOLATED: _marks({"wind_speed_m_s": beyond})} if extrapolate else {})}
 
 
-@documented(BandsRequest)
-def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
+def drawn_slopes(levels: ShortWaveLevels, speed: float, towards: float, directed: bool) -> SlopeStatistics:
+    """Return the slopes of a drawn sea at a wind at 10 m towards an azimuth [rad]; in an isotropic sea all directions have their mean."""
+    along = _drawn_along(levels, speed)
+    if directed:
+        return replace(along, wind_to_azimuth=towards)
+    return SlopeStatistics(0.5 * along.mss, 0.5 * along.mss)
+
+
+@lru_cache(maxsize=4096)
+def wind_sea(speed: float, levels: ShortWaveLevels | None = None) -> DirectionalSpectrum | None:
+    """Return the waves of a wind at 10 m [m/s] that blows to the north: Elfouhaily's, or of a drawn sea; None without wind."""
+    if speed <= 0.0:
+        return None
+    waves = elfouhaily(speed, 0.0)
+    return waves if levels is None else drawn_sea(speed, levels, 0.0, waves)
+
+
+@lru_cache(maxsize=4096)
+def _drawn_along(levels: ShortWaveLevels, speed: float) -> SlopeStatistics:
+    """Return the slopes of a drawn sea with longer waves of Elfouhaily's spectrum along and across the wind."""
+    sea = wind_sea(speed, levels)
+    return nested_in(at_least_residual(SlopeStatistics(0.0, 0.0) if sea is None else spectrum_slopes(sea)), sea)
+
+
+@documented(MeanCasesRequest)
+def evaluate_mean(
+    cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, sea_draws: int | None = None, progress: Progress | None = None
+) -> Columns:
     """Compute the mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
 
     Cox-Munk slopes of the wind at 10 m, isotropic where it has no direction, salt water, both legs shadowed, Sun at 1 au, cells of glint
@@ -323,7 +356,9 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     Returns
     -------
     dict
-        Per band ``radiance_W_m2_sr``, ``apparent_temperature_K``, ``std_W_m2_sr``.
+        Per band ``radiance_W_m2_sr``, ``apparent_temperature_K``, ``std_W_m2_sr``; with ``sea_draws`` of each also
+        ``..._sea_unknown_low`` and ``..._sea_unknown_high``, and the column ``sea_draws``. The seas are drawn with the seed
+        ``TABLE_SEED``, at the wind of each row; between rows their levels are the same.
 
     Raises
     ------
@@ -335,9 +370,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     # Numba comes with these, as above.
     from seaglint.facet.sea_view import LOWER_LIMB, BandSum, LightDisc, Moonlight, SeaView
     from seaglint.facet.surface_spectra import SeaSurface
-    from seaglint.radiance.mean_radiance import mean_radiance
     from seaglint.studies.build.profile_air import model_air
-    from seaglint.studies.mean.case_variance import CaseLooks, MirroredCases
 
     cases.require(MEAN_INPUTS)
     covered = next(iter(_airs(cases, bands, extrapolate)[bands[0].label].values()))
@@ -357,15 +390,14 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     for i, (name, lowest, highest) in enumerate(zip(MOON, (0.0, -360.0, 0.0), (180.0, 360.0, 180.0), strict=True)):
         moons[:, i] = _angles(cases, name, lowest, highest) if moonlit else 0.0
     water = hale_querry_sea()
+    levels = [] if sea_draws is None else levels_of(TABLE_SEED, sea_draws)
+    # Both ends of the interval follow the value, as a reader of the table expects them.
+    endings = ("", *((f"_{LOW}", f"_{HIGH}") if levels else ()))
     columns = {
-        f"{quantity}[{band.label}]": np.empty(len(cases))
-        for band in bands
-        for quantity in ("radiance_W_m2_sr", "apparent_temperature_K", "std_W_m2_sr")
+        f"{quantity}{ending}[{band.label}]": np.empty(len(cases)) for band in bands for quantity in MEAN_COLUMNS for ending in endings
     }
     done, total = 0, len(cases) * len(bands)
-    looks, law = CaseLooks.of(height, depression, ifov), partial(_case_slopes, extrapolate)
     for band in bands:
-        shown = MirroredCases.none(len(cases))
         for key, same_air in groups_of(zip(cases.text("atmosphere"), wind.tolist(), strict=True)):
             model, speed = key if isinstance(key, tuple) else ("", 0.0)
             air = model_air(model, speed, band.edges)
@@ -387,16 +419,23 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith, moon=moon)
                 # What costs most, the table of the sky, is that of the air alone.
                 of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
-                components = mean_radiance(view, -depression[rows], [towards], of_kelvin)
-                shown.add(rows, view, components)
-                columns[f"radiance_W_m2_sr[{band.label}]"][rows] = components.total[:, 0]
-                columns[f"apparent_temperature_K[{band.label}]"][rows] = apparent_temperature(
-                    components.total[:, 0], band.band, air.wavenumber_cm
-                )
+                solid_angle = ifov[rows] ** 2
+                results = partial(_mean_results, elevation=-depression[rows], azimuth=towards, surface=of_kelvin, pixel=solid_angle)
+                for quantity, values in zip(MEAN_COLUMNS, results(view, waves=wind_sea(speed)), strict=True):
+                    columns[f"{quantity}[{band.label}]"][rows] = values
+                if levels:
+                    to = float(travel_azimuth(origin))
+                    seas = [
+                        results(replace(view, slopes=drawn_slopes(level, speed, to, kind != SLOPE_KINDS[0])), waves=wind_sea(speed, level))
+                        for level in levels
+                    ]
+                    for quantity, drawn in zip(MEAN_COLUMNS, zip(*seas, strict=True), strict=True):
+                        ends = SeaUnknown.of(np.array(drawn))
+                        columns[f"{quantity}_{LOW}[{band.label}]"][rows] = ends.low
+                        columns[f"{quantity}_{HIGH}[{band.label}]"][rows] = ends.high
                 done += rows.size
-        columns[f"std_W_m2_sr[{band.label}]"] = np.sqrt(shown.variance(looks, wind, np.array(kinds), law))
     _report(progress, done, total)
-    return {**columns, **marks}
+    return {**columns, **({COUNT: np.full(len(cases), sea_draws)} if levels else {}), **marks}
 
 
 @documented(AirRequest)
@@ -473,6 +512,39 @@ def evaluate_scattered(
         done += rows.size * len(bands)
     _report(progress, done, total)
     return {**columns, **({EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {})}
+
+
+def _mean_results(
+    view: SeaView, *, elevation: FloatArray, azimuth: float, surface: SeaSurface, pixel: FloatArray, waves: DirectionalSpectrum | None
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the values of ``MEAN_COLUMNS`` at elevations of one azimuth [rad], in pixels [sr], over waves that run to the north."""
+    from seaglint.radiance.lit_variance import WaveGlint
+    from seaglint.radiance.mean_radiance import mean_radiance
+    from seaglint.radiance.variance import sea_variance
+
+    components = mean_radiance(view, elevation, [azimuth], surface)
+    # the variance depends on the azimuths from the wind alone: turned to one wind, rows of all directions share its tables
+    to, moon = view.slopes.wind_to_azimuth, view.moon
+    turned = replace(
+        view,
+        slopes=replace(view.slopes, wind_to_azimuth=0.0),
+        solar_azimuth=view.solar_azimuth - to,
+        moon=None if moon is None else replace(moon, azimuth=moon.azimuth - to),
+    )
+    variance = sea_variance(turned, components, elevation, pixel, WaveGlint(waves, SHORTEST_WAVE))
+    radiance = components.total[:, 0]
+    return radiance, apparent_temperature(radiance, view.band, view.atmosphere.wavenumber_cm), np.sqrt(variance[:, 0])
+
+
+def widest_sea_lines(columns: Columns) -> list[str]:
+    """Return the interval 'sea unknown' of the radiance, of the row of each band where it is widest, in plain words; empty without one."""
+    lines, (quantity, unit) = [], (MEAN_COLUMNS[0], "W m-2 sr-1")
+    for label in [name.removeprefix(f"{quantity}_{LOW}") for name in columns if name.startswith(f"{quantity}_{LOW}")]:
+        value, low, high = (np.asarray(columns[f"{quantity}{ending}{label}"]) for ending in ("", f"_{LOW}", f"_{HIGH}"))
+        row = int(np.argmax((high - low) / value))
+        line = sea_line(float(low[row]), float(high[row]), int(np.asarray(columns[COUNT])[row]), unit=unit)
+        lines.append(f"widest in row {row + 1}, {label.strip('[]')} um, radiance {value[row]:.4g} {unit}; {line}")
+    return lines
 
 
 def _model_of(key: Hashable) -> str:
@@ -585,5 +657,6 @@ def _plain(cells: list[str]) -> Any:
 
 def _about(name: str) -> dict[str, str]:
     """Return the attributes of a column, its units by the ending of the name."""
-    unit = "1" if name in SHARES else next((unit for ending, unit in UNITS.items() if name.endswith(ending)), None)
+    quantity = name.removesuffix(f"_{LOW}").removesuffix(f"_{HIGH}")
+    unit = "1" if name in SHARES else next((unit for ending, unit in UNITS.items() if quantity.endswith(ending)), None)
     return {} if unit is None else {"units": unit}

@@ -36,7 +36,10 @@ from seaglint.store.provenance import band_attributes, provenance
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.measured_waves import digest
 from seaglint.studies.build.scenario_physics import bending, require_standard_refraction
+from seaglint.studies.build.waves_and_slopes import drawn_sea_facts, slopes
 from seaglint.studies.mean.air_contrast import air_line
+from seaglint.studies.sea_draws import COUNT, SeaUnknown, part_of, sea_line
+from seaglint.studies.sea_draws import sea_draws as drawn_seas
 from seaglint.studies.sequence.memory import require_mean_memory
 
 if TYPE_CHECKING:
@@ -45,6 +48,8 @@ if TYPE_CHECKING:
 
 #: Mapped components, beside the sum of the radiances and its temperature.
 MAPS: Final = ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "glint_std")
+
+UNKNOWN: Final = ("radiance", "apparent_temperature", "glint_std")  #: Variables with an interval over drawn seas.
 
 #: Height of a pixel, or of a part of it, over its distance from the horizon, from which it is sampled more finely: below it the middle is
 #: within 1e-4 of the mean.
@@ -133,7 +138,7 @@ BLOCK: Final = 1 << 20  #: Lines of sight that are computed at a time where a pi
 
 
 @single_threaded_algebra()
-def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
+def mean(scenario: Scenario, progress: Progress | None = None, *, sea_draws: int | None = None) -> xr.Dataset:
     """Compute the mean radiance over the field of view as a labelled dataset; ``progress`` is called with (pieces done, all).
 
     Dimensions ``y, x`` are the image's rows from the top and its columns; ``elevation`` and ``azimuth`` (clockwise) belong to rows and
@@ -142,6 +147,9 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
     pixel. In the mode ``article`` the emitted radiance is the radiance of one blackbody for sea and mirrored sky, and the sky's part is 0
     below the horizon. With ``[sea.foam]`` water and foam are mixed by the mean share, the attribute ``foam_share``; sunlight that foam
     reflects diffusely counts in ``glint_radiance``, and not in ``glint_std``. The mode ``article`` has no foam.
+
+    With ``sea_draws``, variables ``..._sea_low`` and ``..._sea_high`` of ``UNKNOWN`` are the values that 5 % and 95 % of so many seas
+    between the campaigns are below, pixel by pixel; the others remain those of the scenario.
 
     Raises
     ------
@@ -157,8 +165,9 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
     """
     import xarray as xr
 
+    seas = [] if sea_draws is None else drawn_seas(scenario, sea_draws)
     # The memory is checked before anything is compiled or computed.
-    require_mean_memory(scenario)
+    require_mean_memory(scenario, seas=len(seas))
     compile_ahead("mean")
     track, imager = scenario_physics.track(scenario), scenario_physics.imager(scenario)
     pose = track.at(0.0)
@@ -168,19 +177,30 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
     camera, length = imager.camera(pose.height, pose.attitude), scenario_physics.glint_correlation(scenario)
     if camera is not None:
         azimuth, elevation = camera.azimuths, camera.elevations
-        maps = _of_rows(scenario, camera, view, length, progress)
     else:
         require_standard_refraction(scenario)
         azimuth, elevation = imager.centres(pose.attitude)
-        maps = over_pixels(imager, pose, _components_along(scenario, view, length), progress)
-    # The components are disjoint: their sum is the radiance at the sensor.
-    total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
-    temperature = apparent_temperature(total, view.band, view.atmosphere.wavenumber_cm)
+
+    def images(seen: SeaView, progress: Progress | None) -> dict[str, FloatArray]:
+        if camera is not None:
+            maps = _of_rows(scenario, camera, seen, length, progress)
+        else:
+            maps = over_pixels(imager, pose, components_along(scenario, seen, length), progress)
+        # The components are disjoint: their sum is the radiance at the sensor.
+        total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
+        return {"radiance": total, "apparent_temperature": apparent_temperature(total, seen.band, seen.atmosphere.wavenumber_cm)} | maps
+
+    values = images(view, part_of(progress, 0, 1 + len(seas)))
+    if seas:
+        # Air, sky and light are the scenario's: a sea has other slopes alone.
+        drawn = {name: np.empty((len(seas), *values[name].shape), dtype=np.float32) for name in UNKNOWN}
+        for number, sea in enumerate(seas):
+            of_sea = images(replace(view, slopes=slopes(sea)), part_of(progress, 1 + number, 1 + len(seas)))
+            for name, stack in drawn.items():
+                stack[number] = of_sea[name]
+        values |= _sea_intervals(drawn)
     return xr.Dataset(
-        {
-            name: (("y", "x"), np.asarray(values, dtype=np.float32))
-            for name, values in ({"radiance": total, "apparent_temperature": temperature} | maps).items()
-        },
+        {name: (("y", "x"), np.asarray(image, dtype=np.float32)) for name, image in values.items()},
         coords={**pixel_directions(azimuth, elevation), **pose_at(track, 0.0)},
         attrs=provenance(
             "Mean infrared radiance of the sea",
@@ -193,12 +213,41 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
             mss_cross=view.slopes.mss_cross,
             **scenario_physics.light_attributes(scenario),
             atmosphere_table=json.dumps(scenario_physics.atmosphere_provenance(view.atmosphere)),
+            **drawn_sea_facts(scenario),
+            **({} if sea_draws is None else {COUNT: sea_draws}),
             **_foam(view),
             **_wave_file(scenario),
             **_air_note(scenario),
             **band_attributes(view.band),
         ),
     )
+
+
+def _sea_intervals(drawn: dict[str, NDArray[np.float32]]) -> dict[str, FloatArray]:
+    """Return the ends of the intervals over drawn seas, by the names of their variables; row by row, as quantiles take copies."""
+    ends: dict[str, FloatArray] = {}
+    for name, stack in drawn.items():
+        rows = [SeaUnknown.of(stack[:, row]) for row in range(stack.shape[1])]
+        ends[f"{name}_sea_low"] = np.array([row.low for row in rows])
+        ends[f"{name}_sea_high"] = np.array([row.high for row in rows])
+    return ends
+
+
+def brightest_lines(dataset: xr.Dataset) -> list[str]:
+    """Return the interval 'sea unknown' of the pixel with the most glint in plain words; empty without drawn seas."""
+    if COUNT not in dataset.attrs:
+        return []
+    glint = dataset.glint_radiance.to_numpy()
+    y, x = np.unravel_index(int(np.argmax(glint)), glint.shape)
+    lines = []
+    for name, what, unit in (
+        ("radiance", "radiance", "W m-2 sr-1"),
+        ("apparent_temperature", "apparent temperature", "K"),
+        ("glint_std", "standard deviation of glint", "W m-2 sr-1"),
+    ):
+        value, low, high = (float(dataset[each][y, x]) for each in (name, f"{name}_sea_low", f"{name}_sea_high"))
+        lines.append(f"brightest glint, {what}: {value:.4g} {unit}; {sea_line(low, high, int(dataset.attrs[COUNT]), unit=unit)}")
+    return lines
 
 
 def _air_note(scenario: Scenario) -> dict[str, str]:
@@ -289,8 +338,8 @@ def azimuths_across(view: SeaView, step: float) -> int:
     return max(math.ceil(3.0 * step / narrowest), math.ceil(step / _WIDEST))
 
 
-def _components_along(scenario: Scenario, view: SeaView, length: float | WaveGlint) -> Sights:
-    """Return a function for components at scattered lines of sight, with the variance of glint in place of its root."""
+def components_along(scenario: Scenario, view: SeaView, length: float | WaveGlint) -> Sights:
+    """Return a function for components at scattered lines of sight (``Sights``), with the variance of glint in place of its root."""
     along: Callable[[FloatArray, FloatArray], SeaRadiance]
     match scenario.mean.mode:
         case "spectral":

@@ -110,8 +110,13 @@ def require_memory(scenario: Scenario, oversampling: int = 1, model: SensorModel
     )
 
 
-def require_mean_memory(scenario: Scenario, sights: int | None = None) -> None:
+BYTES_PER_SEA = 12  #: Memory for a pixel of the maps of a drawn sea [bytes]: three numbers of four bytes.
+
+
+def require_mean_memory(scenario: Scenario, sights: int | None = None, seas: int = 0) -> None:
     """Refuse a mean map that cannot fit, by its lines of sight; by default one through each pixel.
+
+    ``seas`` is the number of drawn seas of which maps are stored together.
 
     Raises
     ------
@@ -120,7 +125,7 @@ def require_mean_memory(scenario: Scenario, sights: int | None = None) -> None:
     """
     columns, rows = scenario.sensor.pixels
     lines = columns * rows if sights is None else sights
-    need = BASE + BYTES_PER_MEAN_PIXEL * columns * rows + BYTES_PER_MEAN_SIGHT[scenario.mean.mode] * lines
+    need = BASE + (BYTES_PER_MEAN_PIXEL + BYTES_PER_SEA * seas) * columns * rows + BYTES_PER_MEAN_SIGHT[scenario.mean.mode] * lines
     available = memory_available()
     if available is None or need <= available:
         return
