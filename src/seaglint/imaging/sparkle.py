@@ -19,9 +19,9 @@ cell has a constant value between the events of a Poisson process, so that its c
 evaluated alone. No state is stored: a factor is a function of (seed, place, time).
 
 **From the waves.** With a ``ClusterTable`` the variance of a pixel is that of the waves that are no geometry
-(:mod:`seaglint.sea.glitter.lit_share`), by the steepness of its facets against the mirroring slope, and so is the time. A pixel smaller
+(``seaglint.sea.glitter.lit_share``), by the steepness of its facets against the mirroring slope, and so is the time. A pixel smaller
 than these waves is the product of gamma fields on lattices of sides of powers of two, each with the variance that the waves have between
-its side and the next, and of one more that gives the pixel its variance; :mod:`seaglint.imaging.wave_sparkle` makes the table.
+its side and the next, and of one more that gives the pixel its variance; ``seaglint.imaging.wave_sparkle`` makes the table.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 r"""Tables of sparkles from the waves, by level of detail: variance of a pixel's lit share, fields larger than pixels, and times.
 
 At a level the slopes that are no geometry are Gaussian short waves with the facets' variances and the spectrum's proportions
-(:mod:`seaglint.sea.glitter.lit_share`). Pixels smaller than these waves share fields of independent cells of the sides a, 2a, 4a, ...,
+(``seaglint.sea.glitter.lit_share``). Pixels smaller than these waves share fields of independent cells of the sides a, 2a, 4a, ...,
 which are multiplied. With cells of the variances ``o_j`` two places at a lag (x, y) have the mean product
 
 .. math:: \prod_j [1 + o_j \Lambda(x/a_j) \Lambda(y/a_j)], \qquad \Lambda(t) = \max(0, 1 - |t|)

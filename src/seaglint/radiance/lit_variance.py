@@ -1,4 +1,4 @@
-r"""Variance of glint in a pixel from the waves that are no geometry (:mod:`seaglint.sea.glitter.lit_share`).
+r"""Variance of glint in a pixel from the waves that are no geometry (``seaglint.sea.glitter.lit_share``).
 
 The lit share of a pixel of the sides a, b on the sea has the relative variance ``v = K/(a b)``, with K by the steepness of the mirroring
 slope, in deviations of all slopes, and by the sides. Waves longer than geometry's cut move the mean of a pixel and are no part of the
@@ -93,7 +93,7 @@ class WaveGlint:
         radius : float
             Angular radius of the Sun, or of the lit part of the Moon [rad].
         cos_incidence, view_zenith, slant_range, solid_angle
-            As in :func:`seaglint.radiance.variance.patches`.
+            As in ``patches``.
         sun_up : array_like
             Cosine of the zenith angle of the visible part of the Sun [1].
         solar_azimuth : float, optional
@@ -156,7 +156,7 @@ def variance_by_wind(
     radius : float
         Angular radius of the light [rad].
     looks : tuple of ndarray
-        Cosine of incidence, view zenith, ``sun_up``, slant range and solid angle of :meth:`WaveGlint.relative_variance` [(n,) each].
+        Cosine of incidence, view zenith, ``sun_up``, slant range and solid angle of ``WaveGlint.relative_variance`` [(n,) each].
 
     Returns
     -------

@@ -95,12 +95,12 @@ class LitShare:
 
     @cached_property
     def unrelated(self) -> float:
-        """Value of :meth:`pairs` of places whose short waves are independent [1]: above 1 by the longer waves that they share."""
+        """Value of ``pairs`` of places whose short waves are independent [1]: above 1 by the longer waves that they share."""
         return float(self.pairs(np.zeros(3)))
 
     @cached_property
     def linear(self) -> FloatArray:
-        """Derivatives of :meth:`pairs` by the covariances along, mixed and across, at none [1, (3,)]."""
+        """Derivatives of ``pairs`` by the covariances along, mixed and across, at none [1, (3,)]."""
         scale = _SMALL * 0.5 * (self.short[0] + self.short[2])
         steps = scale * np.eye(3)
         return np.asarray((self.pairs(steps) - self.pairs(-steps)) / (2.0 * scale))
@@ -182,12 +182,12 @@ class Clusters:
         return float(_box(_still_pairs(self, steepness, radius), box, turn, _still_means(self, box, turn))[0])
 
     def correlation(self, steepness: float, radius: float, box: tuple[float, float], turn: float = 0.0) -> FloatArray:
-        """Correlation of the lit share of a box at :attr:`times` after the first [1]; arguments as of :meth:`variance`."""
+        """Correlation of the lit share of a box at ``times`` after the first [1]; arguments as of ``variance``."""
         total = _box(_moving_pairs(self, steepness, radius), box, turn, self.waves.mean_covariance(box, turn, self.times))
         return np.asarray(total / total[0])
 
     def correlation_time(self, steepness: float, radius: float, box: tuple[float, float], turn: float = 0.0) -> float:
-        """Time after which the correlation of the lit share of a box is 1/e for the first time [s]; the last of :attr:`times` at most."""
+        """Time after which the correlation of the lit share of a box is 1/e for the first time [s]; the last of ``times`` at most."""
         correlation, times = self.correlation(steepness, radius, box, turn), self.times
         below = np.flatnonzero(correlation < math.exp(-1.0))
         if below.size == 0:

@@ -17,7 +17,7 @@ disc. By Rice's rate of crossings of a circle of radius w,
 .. math:: \tau = \frac{\pi w^2 p}{2 \pi w\, p\, \sigma_t/\sqrt{2 \pi}} = \sqrt{\frac{\pi}{2}} \frac{w}{\sigma_t}
 
 with ``sigma_t`` the standard deviation of the rate of a slope. What a pixel shows lasts longer: glints travel
-(:meth:`~seaglint.sea.glitter.lit_share.Clusters.correlation_time`).
+(``correlation_time``).
 
 References
 ----------

@@ -1,7 +1,7 @@
 """Short waves between those of two measured campaigns and a model: how far the sea itself is unknown at one wind.
 
 Least and largest saturation ``B = k^3 S`` of three seas bound the short waves of a wind: the Air-Sea Interaction Tower 2019, RaDyO 2008
-(:mod:`seaglint.sea.spectra.campaigns`, from 20 rad/m) and Elfouhaily et al. 1997. A sea between them has two numbers of 0 to 1, its levels
+(``seaglint.sea.spectra.campaigns``, from 20 rad/m) and Elfouhaily et al. 1997. A sea between them has two numbers of 0 to 1, its levels
 at ``k_1`` and ``k_2``, between which the level is linear in the logarithm of the wavenumber:
 
     B(k) = B_min(k)^(1 - u(k)) B_max(k)^u(k),     u = u_long + (u_short - u_long) ln(k/k_1)/ln(k_2/k_1)
