@@ -27,6 +27,8 @@ PACKAGE = Path(__file__).resolve().parents[1] / "src" / "seaglint"
 
 OUT = PACKAGE / "studies" / "data"
 
+SEA_OUT = PACKAGE / "sea" / "data"
+
 TRIANGLE = "averaged with a triangle of 20 cm-1 full width at half maximum, every 5 cm-1"
 
 ARM = "data of the ARM programme of the US Department of Energy; cite ARM. The repository has no licence file"
@@ -70,13 +72,13 @@ def columns(path: Path) -> dict[str, FloatArray]:
 
 
 def write(
-    name: str, inputs: tuple[Path, ...], source: str, terms: str, processing: str, held: dict[str, FloatArray], out: Path = OUT
+    name: str, inputs: tuple[Path, ...], source: str, terms: str, processing: str, held: dict[str, FloatArray], out: Path | None = None
 ) -> None:
     """Write a table behind the lines that say where it is from."""
     digests = ", ".join(f"{path.name} sha256 {hashlib.sha256(path.read_bytes()).hexdigest()[:16]}" for path in inputs)
     head = [f"# source: {source}", f"# terms: {terms}", f"# processing: {processing}", f"# made from: {digests}", ",".join(held)]
     lines = [",".join(f"{value:.6g}" for value in row) for row in zip(*(values.tolist() for values in held.values()), strict=True)]
-    (out / name).write_text("\n".join([*head, *lines]) + "\n", encoding="utf-8")
+    (OUT if out is None else out).joinpath(name).write_text("\n".join([*head, *lines]) + "\n", encoding="utf-8")
 
 
 def spectra(folder: Path) -> None:
@@ -205,7 +207,7 @@ def buoy_record(z: FloatArray) -> dict[str, FloatArray]:
 
 def campaigns(folder: Path) -> None:
     """Write the saturation of the Air-Sea Interaction Tower by wind, and medians of RaDyO's slope variances in classes of wind."""
-    out = PACKAGE / "sea" / "data"
+    out = SEA_OUT
     out.mkdir(exist_ok=True)
     caveat = (
         "the authors state that the method underresolves short waves and that slopes need a gain of 1.2 to 1.7 (none is applied); runs of "

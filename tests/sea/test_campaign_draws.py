@@ -11,9 +11,9 @@ from seaglint.base.errors import DomainError
 from seaglint.sea.spectra.campaign_draws import (
     LONGEST,
     SHORTEST_MEASURED,
+    DrawnShortWaves,
     LongWaves,
     ShortWaveLevels,
-    ShortWaves,
     drawn_levels,
     drawn_sea,
     level_at,
@@ -186,8 +186,8 @@ def test_the_directions_of_the_short_waves_are_even_about_the_wind():
 @pytest.mark.parametrize(
     ("build", "text"),
     [
-        (lambda: ShortWaves(7.0, ShortWaveLevels(-0.1, 0.5), ElfouhailySpectrum(7.0)), "level = -0.1"),
-        (lambda: ShortWaves(7.0, ShortWaveLevels(0.1, float("nan")), ElfouhailySpectrum(7.0)), "level = nan"),
+        (lambda: DrawnShortWaves(7.0, ShortWaveLevels(-0.1, 0.5), ElfouhailySpectrum(7.0)), "level = -0.1"),
+        (lambda: DrawnShortWaves(7.0, ShortWaveLevels(0.1, float("nan")), ElfouhailySpectrum(7.0)), "level = nan"),
         (lambda: short_wave_bounds(31.0), "31 m/s is outside 0-30"),
         (lambda: short_wave_bounds(0.0), "0 m/s is outside"),
         (lambda: drawn_levels(1, 3, 3), "count from 0 to 2"),

@@ -152,16 +152,17 @@ def test_shipped_tables_are_what_their_tool_makes(reference_dir, tmp_path, monke
     if not (reference_dir / "measured_air").is_dir():
         pytest.skip("the reference folder has no measured air")
     monkeypatch.setattr(build_measured_data, "OUT", tmp_path)
+    monkeypatch.setattr(build_measured_data, "SEA_OUT", tmp_path / "sea")
     monkeypatch.setattr("sys.argv", ["build", str(reference_dir)])
     shipped_folder = build_measured_data.Path(shipped.__wrapped__.__code__.co_filename).parents[1] / "data"
     build_measured_data.main()
-    made = {path.name: path for path in tmp_path.iterdir()}
+    made = {path.name: path for path in tmp_path.glob("*.csv")}
     assert made.keys() == {path.name for path in shipped_folder.glob("measured_*.csv")}
-    for name, path in made.items():
-        both = [
-            [line for line in file.read_text().splitlines() if line[0].isdigit() or line[0] == "-"]
-            for file in (path, shipped_folder / name)
-        ]
+    seas = shipped_folder.parents[1] / "sea" / "data"
+    pairs = [(path, shipped_folder / name) for name, path in made.items()]
+    pairs += [(path, seas / path.name) for path in (tmp_path / "sea").iterdir()]
+    for pair in pairs:
+        both = [[line for line in file.read_text().splitlines() if line[0].isdigit() or line[0] == "-"] for file in pair]
         # six digits are written
         np.testing.assert_allclose(*(np.loadtxt(lines, delimiter=",") for lines in both), rtol=2e-5, atol=1e-9)
 

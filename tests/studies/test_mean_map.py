@@ -167,7 +167,10 @@ def test_wide_columns_are_the_mean_of_narrow_ones(zenith, wind, fov, elevation):
 
     def glint(columns):
         values = {"height_m": 30.0, "fov_deg": [fov, 2.0], "pixels": [columns, 4], "elevation_deg": elevation, "pixel_shape": "any"}
-        sun, sea = {"zenith_deg": zenith, "azimuth_deg": 180.0}, {"slopes": {"kind": "cox-munk-isotropic"}}
+        sun, sea = (
+            {"zenith_deg": zenith, "azimuth_deg": 180.0},
+            {"slopes": {"kind": "cox-munk-isotropic"}, "glint": {"correlation": "time"}},
+        )
         return mean(parse_scenario({"sensor": values, "sun": sun, "wind": {"speed_m_s": wind}, "sea": sea}))
 
     wide, narrow = glint(8), glint(8 * 128)

@@ -404,7 +404,7 @@ def wave_deviation(
     out = np.zeros(gamma.shape)
     if shown.any():
         slant = slant_range(height, sea_arc(height, gamma))
-        looks = (evaluated.cos_incidence, 0.5 * np.pi - gamma, evaluated.sun_up, slant, np.full(gamma.shape, solid_angle))
+        looks = (evaluated.cos_incidence, 0.5 * np.pi - gamma, evaluated.sun_up, slant, np.full(gamma.shape, solid_angle), evaluated.chance)
         share = variance_by_wind(at, wind[shown], SOLAR_ANGULAR_RADIUS, tuple(np.asarray(look)[shown] for look in looks))
         out[shown] = evaluated.radiance[shown] * np.sqrt(share)
     return out

@@ -56,7 +56,9 @@ def relative_variance(view: SeaView, camera: Camera, cell: float | WaveGlint) ->
     cosine = np.where(shown, mirrored.cos_incidence, 1.0)
     if isinstance(cell, WaveGlint):
         up = math.cos(visible_sun(view.solar_zenith)[1])
-        lit = cell.relative_variance(view.slopes, view.disc.lit_radius, cosine, theta, up, slant, solid, view.solar_azimuth)
+        lit = cell.relative_variance(
+            view.slopes, view.disc.lit_radius, cosine, theta, up, slant, solid, np.where(shown, mirrored.chance, 1.0), view.solar_azimuth
+        )
         return float(np.sum(mirrored.chance**2 * lit) / np.sum(mirrored.chance**2))
     # number of cells in a pixel
     many = patches(cosine, theta, view.solar_zenith, slant, solid, cell)

@@ -18,16 +18,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
-from seaglint.sea.glitter.lit_share import Clusters, Covariance
+from seaglint.sea.glitter.lit_share import Clusters
 from seaglint.sea.glitter.short_waves import ShortWaves
 from seaglint.sea.shadowing.smith import projected_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
+from seaglint.sea.tiles import resolve_limit
 
 STEEPEST: Final = 7.0  #: Steepness of the mirroring slope up to which variances are computed [1]; beyond, glint is 1e-10 of its peak.
 
 #: Steepness at which variances are computed; their logarithm is nearly linear in its square.
 _STEEPNESS: Final = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.5, STEEPEST])
+
+RESOLVED_SHARE: Final = 0.8  #: Largest share of either direction's slope variance in waves that are geometry, as in images [1].
 
 COLUMNS: Final = 2.0  #: Least length of geometry's waves in widths of a pixel, as in images.
 
@@ -36,6 +39,8 @@ WINDS: Final = tuple(float(wind) for wind in np.geomspace(0.5, 20.0, 19))
 
 #: Nodes per decade of the width of a pixel, its length over its width, and the radius of the disc; logarithms are linear in between.
 _PER_DECADE: Final = (4.0, 4.0, 2.0)
+
+_BLOCK: Final = 1 << 14  #: Number of pixels whose variance is read from the table at once.
 
 _LONGEST: Final = 1e9  #: Length of waves for a sea that is not resolved [m]: all its waves are shorter.
 
@@ -64,14 +69,22 @@ class WaveGlint:
         return ShortWaves.of_slopes(slopes, cut)
 
     def clusters(self, slopes: SlopeStatistics, cut: float) -> Clusters:
-        """Return the fluctuation of the lit share by the waves beyond a wavenumber [rad m⁻¹], on a sea of slopes."""
-        waves = self.short_waves(slopes, cut)
-        total = float(slopes.mss_along(waves.to_azimuth)), float(slopes.mss_along(waves.to_azimuth + 0.5 * math.pi))
-        own = waves.variances
-        # longer waves have what is left of the slopes; a law with fewer slopes than its spectrum has fewer short ones too
-        short = tuple(min(part, 0.999 * whole) for part, whole in zip(own, total, strict=True))
-        longer: Covariance = (total[0] - short[0], 0.0, total[1] - short[1])
-        return Clusters(waves.scaled(*short), longer)
+        """Return the fluctuation of the lit share by the waves beyond a wavenumber [rad m⁻¹], on a sea of slopes.
+
+        Waves up to the wavenumber are geometry as far as the energy rule allows, and have the spectrum's slopes; the short ones have
+        what is left of the slope law, as facets of images.
+        """
+        low = float(slopes.growth()[0, 0])
+        if self.spectrum is None:
+            return Clusters(self.short_waves(slopes, low, (slopes.mss_up, slopes.mss_cross)))
+        end = min(cut, resolve_limit(self.spectrum, slopes, RESOLVED_SHARE))
+        waves = self.short_waves(slopes, max(end, min(low, self.spectrum.wavenumber_range[0])))
+        longer = ShortWaves.of_spectrum(self.spectrum, 0.0, end).variances if end > 1.01 * self.spectrum.wavenumber_range[0] else (0.0, 0.0)
+        axis = waves.to_azimuth
+        total = float(slopes.mss_along(axis)), float(slopes.mss_along(axis + 0.5 * math.pi))
+        # the axis of longer waves may be another: no direction loses more than the energy rule allows
+        kept = tuple(min(part, RESOLVED_SHARE * whole) for part, whole in zip(longer, total, strict=True))
+        return Clusters(waves.scaled(total[0] - kept[0], total[1] - kept[1]), (kept[0], 0.0, kept[1]))
 
     def relative_variance(
         self,
@@ -82,9 +95,13 @@ class WaveGlint:
         sun_up: ArrayLike,
         slant_range: ArrayLike,
         solid_angle: ArrayLike,
+        chance: ArrayLike,
         solar_azimuth: float | None = None,
     ) -> FloatArray:
-        r"""Relative variance of the mirrored Sun in square pixels, ``v = K A+/(Omega r^2)`` with Smith's projected area ``A+`` [1].
+        r"""Relative variance of the mirrored Sun in square pixels, ``v = K A+/(Omega r^2)`` [1].
+
+        ``A+`` is the area of the sea over the viewed area that the chance of mirroring implies, hiding and shadows included:
+        ``A+ = p pi eps^2/(4 cos^4(beta) P)``. The less of the sea is seen and lit in a pixel, the more it fluctuates.
 
         Parameters
         ----------
@@ -96,6 +113,8 @@ class WaveGlint:
             As in ``patches``.
         sun_up : array_like
             Cosine of the zenith angle of the visible part of the Sun [1].
+        chance : array_like
+            P, share of the viewed area that mirrors the light, above 0 [1].
         solar_azimuth : float, optional
             Azimuth of the Sun [rad]; without it slopes are taken as equal in all directions.
 
@@ -106,8 +125,8 @@ class WaveGlint:
 
         Notes
         -----
-        Looks to both sides of the Sun have the mean of both, as the angle of incidence does not distinguish them. Hiding is Smith's of
-        slopes equal in all directions; images hide by nested bands.
+        Looks to both sides of the Sun have the mean of both, as the angle of incidence does not distinguish them. Slope laws with skewness
+        have Smith's ``A+`` of the viewer, with slopes equal in all directions.
         """
         cosine = np.maximum(np.asarray(cos_incidence, np.float64), 1e-9)
         upward = np.maximum(np.cos(np.asarray(view_zenith, np.float64)), 1e-6)
@@ -117,11 +136,21 @@ class WaveGlint:
         spread = radius / (2.0 * np.sqrt(tilt**3 * cosine))
         width = np.sqrt(np.asarray(solid_angle, np.float64)) * np.asarray(slant_range, np.float64)
         steepness, width, length, spread = np.broadcast_arrays(steepness, width, width / upward, spread)
-        if steepness.size == 0:
+        if steepness.size == 0 or slopes.is_flat:
             return np.zeros(steepness.shape)
-        logs = self._area(slopes, (width.ravel(), (length / width).ravel(), spread.ravel()), steepness.ravel())
-        # the sea that is seen in a pixel is the less the more of it is hidden
-        seen = projected_area(np.asarray(view_zenith, np.float64), 0.5 * slopes.mss)
+        # block by block: the corners of the table take some hundred bytes a pixel
+        columns = [np.ravel(values) for values in (width, length / width, spread, steepness)]
+        blocks = [[column[i : i + _BLOCK] for column in columns] for i in range(0, steepness.size, _BLOCK)]
+        logs = np.concatenate([self._area(slopes, (block[0], block[1], block[2]), block[3]) for block in blocks])
+        if slopes.is_gaussian:
+            spread2 = 0.25 * spread**2
+            peak = 2.0 * math.pi * np.sqrt((slopes.mss_up + spread2) * (slopes.mss_cross + spread2))
+            density = np.exp(-0.5 * steepness**2) / peak
+            share = np.maximum(np.asarray(chance, np.float64), 1e-300)
+            seen = density * math.pi * radius**2 / (4.0 * tilt**4 * share)
+        else:
+            # the chance has a skewness that the steepness does not know
+            seen = projected_area(np.asarray(view_zenith, np.float64), 0.5 * slopes.mss)
         return np.asarray(np.exp(logs.reshape(steepness.shape)) * seen / width**2)
 
     def _area(self, slopes: SlopeStatistics, sizes: tuple[FloatArray, ...], steepness: FloatArray) -> FloatArray:
@@ -156,7 +185,7 @@ def variance_by_wind(
     radius : float
         Angular radius of the light [rad].
     looks : tuple of ndarray
-        Cosine of incidence, view zenith, ``sun_up``, slant range and solid angle of ``WaveGlint.relative_variance`` [(n,) each].
+        Cosine of incidence, view zenith, ``sun_up``, slant range, solid angle and chance of ``WaveGlint.relative_variance`` [(n,) each].
 
     Returns
     -------

@@ -279,7 +279,7 @@ def sea_variance(
             shown = mirrored.chance[sea] > 0.0
             cosine = np.where(shown, mirrored.cos_incidence[sea], 1.0)
             up = math.cos(visible_sun(light.solar_zenith)[1])
-            look = (theta[sea][:, None], up, distance[:, None], omega[sea][:, None])
+            look = (theta[sea][:, None], up, distance[:, None], omega[sea][:, None], np.where(shown, mirrored.chance[sea], 1.0))
             share = correlation.relative_variance(view.slopes, light.disc.lit_radius, cosine, *look, light.solar_azimuth)
             variance[sea] += np.where(shown, mirrored.sun[sea] ** 2 * share, 0.0)
             continue

@@ -41,12 +41,14 @@ FARTHEST: Final = 25.0  #: Longest lag times the least wavenumber of the short w
 
 LAGS: Final = 110  #: Number of lags of the integral.
 
+SECTORS: Final = 60  #: Number of directions over which the weight of a lag is averaged, for each of them.
+
 TURNS: Final = 12  #: Number of their directions over half a circle.
 
 SLOPE_TURNS: Final = 4  #: Number of directions of the mirroring slope over which variances of a stated steepness are averaged.
 
 #: Times at which the correlation of a box is taken, in ``1/sqrt(g k)`` of the longest short waves [1].
-_TIMES: Final = np.concatenate([[0.0], np.geomspace(0.005, 4.0, 15)])
+_TIMES: Final = np.concatenate([[0.0], np.geomspace(0.005, 12.0, 18)])
 
 _SMALL: Final = 1e-4  #: Share of the covariance with which the linear part is taken.
 
@@ -227,11 +229,20 @@ def _moving_pairs(clusters: Clusters, steepness: float, radius: float) -> _Pairs
     return _Pairs(clusters._moving_lags, clusters._moving_turns, *clusters.pairs(steepness, radius, clusters._moving))
 
 
+@lru_cache(maxsize=256)
+def _weights(lags: tuple[float, float, int], turns: int, box: tuple[float, float], turn: float) -> FloatArray:
+    """Weights of lags in a box, times the lag squared, means over the sector of each direction [m2, (turns, lags)]."""
+    # a long pixel is a thin sector of its lags: the weight is averaged finely, pairs change slowly with direction
+    angle = np.pi * (np.arange(turns * SECTORS) + 0.5) / (turns * SECTORS) - turn
+    lag = np.geomspace(*lags)
+    weight = np.clip(1.0 - np.abs(np.cos(angle))[:, None] * lag / box[0], 0.0, None)
+    weight *= np.clip(1.0 - np.abs(np.sin(angle))[:, None] * lag / box[1], 0.0, None)
+    return np.asarray(weight.reshape(turns, SECTORS, -1).mean(axis=1) * lag**2)
+
+
 def _box(pairs: _Pairs, box: tuple[float, float], turn: float, means: FloatArray) -> FloatArray:
     """Relative variance of a box at times, from pairs and the covariances of its mean slopes (times, 3)."""
-    along = np.abs(pairs.lags * np.cos(pairs.turns - turn)[:, None])
-    across = np.abs(pairs.lags * np.sin(pairs.turns - turn)[:, None])
-    weight = np.clip(1.0 - along / box[0], 0.0, None) * np.clip(1.0 - across / box[1], 0.0, None) * pairs.lags**2
+    weight = _weights((float(pairs.lags[0]), float(pairs.lags[-1]), pairs.lags.size), pairs.turns.size, box, turn)
     step = math.log(pairs.lags[1] / pairs.lags[0])
     inner = 2.0 * math.pi * step * np.sum(weight[:, :, None] * pairs.excess, axis=(0, 1)) / (pairs.turns.size * box[0] * box[1])
     return np.asarray(inner + means @ pairs.linear)

@@ -183,7 +183,7 @@ def short_wave_bounds(wind: float) -> ShortWaveBounds:
 
 
 @dataclass(frozen=True)
-class ShortWaves(DirectionalSpectrum):
+class DrawnShortWaves(DirectionalSpectrum):
     """Short waves of a wind between the bounds, from half of ``LONGEST``; with ``directions`` of another spectrum.
 
     Raises
@@ -193,7 +193,7 @@ class ShortWaves(DirectionalSpectrum):
 
     Examples
     --------
-    >>> calm, rough = (ShortWaves(7.0, ShortWaveLevels(u, u), ElfouhailySpectrum(7.0)) for u in (0.0, 1.0))
+    >>> calm, rough = (DrawnShortWaves(7.0, ShortWaveLevels(u, u), ElfouhailySpectrum(7.0)) for u in (0.0, 1.0))
     >>> round(sum(calm.mss()), 3), round(sum(rough.mss()), 3)
     (0.017, 0.056)
     """
@@ -405,5 +405,5 @@ def drawn_sea(
         parts.append(LongWaves(longer))
     if wind > 0.0:
         of_wind = ElfouhailySpectrum(max(wind, VALID_WIND[0]), wind_to_azimuth)
-        parts.append(ShortWaves(wind, levels, longer if directed and longer is not None else of_wind))
+        parts.append(DrawnShortWaves(wind, levels, longer if directed and longer is not None else of_wind))
     return DrawnSea(tuple(parts)) if parts else None
