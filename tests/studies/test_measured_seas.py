@@ -279,6 +279,29 @@ def test_bands_side_by_side_add_up_to_the_whole(kind: str) -> None:
     assert data.attrs["whole_facets_up"] == result.whole.facets_up
 
 
+@pytest.mark.parametrize("sea", [{}, {"slopes": {"kind": "spectrum"}}, {"slopes": {"kind": "cox-munk-gram-charlier"}}])
+def test_bands_of_a_drawn_sea_are_those_of_its_waves(sea: dict[str, object]) -> None:
+    """Facets and drawn waves of every band are the drawn spectrum's, whatever ``sea.slopes`` is, and the header has the levels."""
+    scenario = parse_scenario({"sea": {"uncertainty": "campaigns", "short_wave_levels": [0.22, 0.93], **sea}})
+    result = slope_bands(scenario, EDGES)
+    for band in result.bands:
+        assert band.drawn_up + band.facets_up == pytest.approx(band.spectrum_up, rel=1e-12)
+        assert band.drawn_cross + band.facets_cross == pytest.approx(band.spectrum_cross, rel=1e-12)
+    assert result.slopes == "drawn between the campaigns, levels 0.22, 0.93"
+    assert result.slopes in result.lines()[0]
+    assert result.as_dict()["slopes"] == result.dataset().attrs["slopes"] == result.slopes
+
+
+def test_bands_of_a_drawn_sea_without_geometry_are_its_slopes() -> None:
+    """Without waves in ``sea.spectrum`` the facets have all slopes of the drawn sea, band by band."""
+    scenario = parse_scenario({"sea": {"uncertainty": "campaigns", "spectrum": {"kind": "flat"}}})
+    result = slope_bands(scenario, (0.0, 5.0, 100.0, 1e4))
+    assert sum(band.facets_up for band in result.bands) == pytest.approx(result.whole.facets_up, rel=1e-6)
+    # the same waves, with Elfouhaily's longer ones as geometry
+    other = slope_bands(scenario.model_copy(update={"sea": parse_scenario({"sea": {"uncertainty": "campaigns"}}).sea}), (5.0, 100.0, 1e4))
+    assert [band.facets_up for band in result.bands[1:]] == pytest.approx([band.spectrum_up for band in other.bands], rel=1e-9)
+
+
 @pytest.mark.parametrize("bands", [(5.0,), (5.0, 4.0), (-1.0, 4.0), (5.0, 5.0), (5.0, float("nan"))])
 def test_bad_bands_are_refused(bands: tuple[float, ...]) -> None:
     """Edges ascend from 0."""
