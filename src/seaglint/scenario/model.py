@@ -125,8 +125,8 @@ class Scenario(Record):
             raise rule("sea.uncertainty", f"= 'campaigns' {reason}", value="campaigns")
         if (kind := self.sea.measured_kind) is not None:
             text = (
-                f"= 'campaigns' replaces waves beyond 5 rad/m, and sea.spectrum has measured ones there (kind = '{kind}'); leave uncertainty "
-                "out for the measured sea, or set another sea.spectrum.kind such as 'elfouhaily'"
+                f"= 'campaigns' replaces waves beyond 5 rad/m, and sea.spectrum has measured ones there (kind = '{kind}'); leave "
+                "uncertainty out for the measured sea, or set another sea.spectrum.kind such as 'elfouhaily'"
             )
             raise rule("sea.uncertainty", text, value="campaigns")
         return self

@@ -108,7 +108,7 @@ def slope_bands(scenario: Scenario, bands: Sequence[float]) -> SlopeBands:
     whole = (0.0, 0.0) if prepared.waves is None else prepared.waves.resolved_mss()
     total = _band(0.0, top, whole, (statistics.mss_up, statistics.mss_cross), (0.0, 0.0) if sea is None else sea.mss())
     cut = 0.0 if prepared.waves is None else prepared.waves.tiles[-1].k_max
-    kind = scenario.sea.slopes.kind
+    kind: str = scenario.sea.slopes.kind
     if drawn_sea:
         kind = f"drawn between the campaigns, levels {', '.join(f'{level:.2f}' for level in levels(scenario))}"
     return SlopeBands(bands=tuple(rows), whole=total, slopes=kind, spectrum=scenario.sea.spectrum.kind, cut_wavenumber_rad_m=cut)
