@@ -122,6 +122,13 @@ def test_a_number_of_seas_that_gives_no_interval_is_refused_in_one_line(make, dr
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("draws", [2.5, "5", 5.0, [5]])
+def test_a_number_of_seas_that_is_no_whole_number_is_refused_in_one_line(draws):
+    with pytest.raises(DataError, match=r"is no whole number; give the number of seas to draw, from 2 to 1000") as error:
+        mean(scenario(), sea_draws=draws)
+    assert "\n" not in str(error.value)
+
+
 @pytest.mark.parametrize("way", [{"best": True}, {"by_month": True}])
 def test_seas_are_drawn_for_chances_alone(way):
     with pytest.raises(DataError, match="sea_draws = 5: is for the chances of the thresholds alone"):
@@ -284,6 +291,9 @@ def test_an_ensemble_reports_rendering_and_drawn_seas_as_one_work(tmp_path):
     assert [done for done, _ in reported] == sorted(done for done, _ in reported)
     rows = (tmp_path / "out" / "sea_unknown.csv").read_text().splitlines()
     assert len(rows) == 3
+    reported.clear()
+    render_ensemble(given, tmp_path / "only", sea_draws=2, draw_only=True, progress=lambda done, total: reported.append((done, total)))
+    assert reported == [(0, 2), (1, 2), (2, 2)]
     # the scenes are the scenario's own: the table of parameters does not change
     plain = render_ensemble(given, tmp_path / "plain", draw_only=True)
     assert (plain / "parameters.csv").read_text() == (tmp_path / "out" / "parameters.csv").read_text()

@@ -76,18 +76,27 @@ class SlopeBands:
         return xr.Dataset({name: ("band", values, {"units": "1"}) for name, values in columns.items()}, edges, attributes)
 
 
-def slope_bands(scenario: Scenario, bands: Sequence[float]) -> SlopeBands:
+def _edges(bands: Sequence[float] | str) -> FloatArray:
+    """Return the edges of bands [rad/m], of numbers or of a text such as ``5,20,100``; refuse those that are no bands."""
+    try:
+        edges = np.asarray(bands.split(",") if isinstance(bands, str) else bands, dtype=np.float64)
+    except (TypeError, ValueError):
+        edges = np.empty(0)
+    if edges.ndim == 1 and edges.size >= 2 and np.all(np.isfinite(edges)) and edges[0] >= 0.0 and np.all(np.diff(edges) > 0.0):
+        return edges
+    given = ",".join(f"{edge:g}" for edge in edges) if edges.ndim == 1 and edges.size else bands
+    raise DomainError(f"bands = {given} are no bands of wavenumbers; give two or more ascending edges of 0 rad/m or above, as 5,20,100")
+
+
+def slope_bands(scenario: Scenario, bands: Sequence[float] | str) -> SlopeBands:
     """Return the slope variances of a scenario's sea in bands between ascending wavenumbers [rad/m].
 
     Raises
     ------
     DomainError
-        Edges that are fewer than two, negative, not finite or not ascending.
+        Edges that are no numbers, fewer than two, negative, not finite or not ascending.
     """
-    edges = np.asarray(bands, dtype=np.float64)
-    if edges.size < 2 or not np.all(np.isfinite(edges)) or edges[0] < 0.0 or np.any(np.diff(edges) <= 0.0):
-        given = ",".join(f"{edge:g}" for edge in edges)
-        raise DomainError(f"bands = {given} are no bands of wavenumbers; give two or more ascending edges of 0 rad/m or above, as 5,20,100")
+    edges = _edges(bands)
     statistics, sea = slopes(scenario), spectrum(scenario)
     prepared = scenario_physics.sea(scenario, statistics)
     drawn_sea = scenario.sea.uncertainty != "none"
