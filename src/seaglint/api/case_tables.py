@@ -130,7 +130,8 @@ def mean(
 ) -> xr.Dataset:
     """Mean radiance of the sea, and standard deviation of glint.
 
-    Cox-Munk slopes, shadowed towards viewer and Sun; salt water; Sun at 1 au; glint forgotten after 0.07 s.
+    Cox-Munk slopes, shadowed towards viewer and Sun; salt water; Sun at 1 au; glint
+    fluctuates with the waves shorter than 2 m.
 
     Parameters
     ----------

@@ -427,7 +427,7 @@ def _shown(summary: LikelihoodSummary) -> str:
     rows = [(row.threshold_w_m2_sr, row.probability, row.interval, row.false_alarms_per_hour) for row in summary.results]
     head = ("threshold [W m-2 sr-1]", "probability", "95 % interval", "false alarms an hour")
     seas = [
-        f"{row.threshold_w_m2_sr:g} W m-2 sr-1, {sea_line(row.sea_unknown_low, row.sea_unknown_high, row.sea_draws)}"
+        f"{row.threshold_w_m2_sr:g} W m-2 sr-1, {sea_line(row.sea_unknown_low, row.sea_unknown_high, row.sea_draws, value=row.probability)}"
         for row in summary.results
         if row.sea_draws is not None and row.sea_unknown_low is not None and row.sea_unknown_high is not None
     ]

@@ -273,7 +273,7 @@ def _unknown(result: JsonObject, name: str) -> str:
     from seaglint.studies.sea_draws import COUNT, HIGH, LOW, sea_line
 
     low, high = result.get(f"{name}_{LOW}"), result.get(f"{name}_{HIGH}")
-    return "" if low is None or high is None else f"; {sea_line(low, high, result[COUNT])}"
+    return "" if low is None or high is None else f"; {sea_line(low, high, result[COUNT], value=result.get(name))}"
 
 
 def study_lines(study: Study) -> list[str]:

@@ -75,7 +75,7 @@ def widest_line(folder: Path) -> str:
     low, high = ([float(cells.text(f"{name}_{end}")[i]) for i in rows] for end in (LOW, HIGH))
     k = max(range(len(rows)), key=lambda i: high[i] / max(low[i], 1e-300))
     scene, value = cells.text("scene")[rows[k]], float(cells.text(name)[rows[k]])
-    line = sea_line(low[k], high[k], int(cells.text(COUNT)[rows[k]]), unit="W m-2 sr-1")
+    line = sea_line(low[k], high[k], int(cells.text(COUNT)[rows[k]]), unit="W m-2 sr-1", value=value)
     return f"{table} written; widest in scene {scene}, standard deviation of glint {value:.4g} W m-2 sr-1; {line}"
 
 

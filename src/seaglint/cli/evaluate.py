@@ -98,7 +98,8 @@ def mean(cases: CasesFile, output: Output, request: MeanCasesRequest, show: Late
     relative_azimuth_deg (0 looks towards the Sun), sea_temperature_k, ifov_mrad (side of the square pixel). Columns made, per band:
     radiance_W_m2_sr, apparent_temperature_K, std_W_m2_sr. Cox-Munk slopes, shadowed towards viewer and Sun: isotropic, or with the
     column wind_from_deg (where the wind comes from, clockwise from the Sun's azimuth) along and across the wind, or as a column slopes
-    specifies (cox-munk-isotropic, cox-munk-anisotropic, cox-munk-gram-charlier); salt water; Sun at 1 au; glint forgotten after 0.07 s.
+    specifies (cox-munk-isotropic, cox-munk-anisotropic, cox-munk-gram-charlier); salt water; Sun at 1 au; glint
+    fluctuates with the waves shorter than 2 m.
     With --sea-draws N also ..._sea_unknown_low and ..._sea_unknown_high of each column, over N seas at the wind of the row, and sea_draws.
     """
     _one_thread()

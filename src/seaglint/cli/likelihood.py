@@ -84,7 +84,7 @@ def lines(summary: LikelihoodSummary) -> list[str]:
         more = "" if row.false_alarms_per_hour is None else f"  {row.false_alarms_per_hour:.4g} false alarms an hour"
         out.append(f"  {row.threshold_w_m2_sr:>24g}  {row.probability:>12.5g}  {low:.5g} to {high:.5g}{more}")
         if row.sea_draws is not None and row.sea_unknown_low is not None and row.sea_unknown_high is not None:
-            out.append(f"  {'':>24}  {sea_line(row.sea_unknown_low, row.sea_unknown_high, row.sea_draws, '.5g')}")
+            out.append(f"  {'':>24}  {sea_line(row.sea_unknown_low, row.sea_unknown_high, row.sea_draws, '.5g', value=row.probability)}")
     up, free = summary.sun_up.share, summary.sun_free_of_clouds
     if summary.moon_up is None:
         out.append(f"  Sun up in {100 * up:.4g} % of the draws, free of clouds in {100 * free:.4g} %")

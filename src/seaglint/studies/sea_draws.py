@@ -59,15 +59,18 @@ class SeaUnknown(NamedTuple):
         return sea_line(float(self.low), float(self.high), self.draws, form, unit)
 
 
-def sea_line(low: float, high: float, draws: int, form: str = ".4g", unit: str = "") -> str:
-    """Return an interval over drawn seas in plain words.
+def sea_line(low: float, high: float, draws: int, form: str = ".4g", unit: str = "", value: float | None = None) -> str:
+    """Return an interval over drawn seas in plain words; it says so where the result of the scenario's own sea is outside.
 
     Examples
     --------
     >>> sea_line(0.51, 0.72, 20, unit="K")
     'sea unknown: 0.51 to 0.72 K (20 seas between the campaigns)'
     """
-    return f"sea unknown: {low:{form}} to {high:{form}}{f' {unit}' if unit else ''} ({draws} seas between the campaigns)"
+    line = f"sea unknown: {low:{form}} to {high:{form}}{f' {unit}' if unit else ''} ({draws} seas between the campaigns)"
+    if value is None or low <= value <= high or not np.isfinite(value):
+        return line
+    return f"{line}; the result is outside: drawn seas have the slopes of their waves, not of sea.slopes"
 
 
 def levels_of(seed: int, draws: int) -> list[ShortWaveLevels]:
@@ -102,6 +105,8 @@ def require_drawn(scenario: Scenario) -> None:
     """Refuse a scenario whose sea cannot be drawn between the campaigns; report measured waves that the drawn seas do not have."""
     if (reason := scenario.sea_not_drawn) is not None:
         raise ScenarioError(f"sea_draws {reason}, or leave sea_draws out")
+    if scenario.wind.speed_m_s == 0.0 and scenario.likelihood is None:
+        raise ScenarioError("sea_draws draws the short waves of a wind, and wind.speed_m_s = 0; set a wind, or leave sea_draws out")
     if (kind := scenario.sea.measured_kind) is not None:
         _report_measured_waves(kind)
 

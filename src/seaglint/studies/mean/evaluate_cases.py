@@ -13,6 +13,7 @@ from collections.abc import Hashable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from itertools import product
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -339,8 +340,8 @@ def evaluate_mean(
 ) -> Columns:
     """Compute the mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
 
-    Cox-Munk slopes of the wind at 10 m, isotropic where it has no direction, salt water, both legs shadowed, Sun at 1 au, cells of glint
-    by a correlation time of 0.07 s and the full dispersion relation; geometry of the command ``mean`` (straight rays over an effective
+    Cox-Munk slopes of the wind at 10 m, isotropic where it has no direction, salt water, both legs shadowed, Sun at 1 au, glint that
+    fluctuates with the waves of Elfouhaily's spectrum shorter than 2 m; geometry of the command ``mean`` (straight rays over an effective
     Earth).
 
     Parameters
@@ -423,7 +424,11 @@ def evaluate_mean(
                 results = partial(_mean_results, elevation=-depression[rows], azimuth=towards, surface=of_kelvin, pixel=solid_angle)
                 for quantity, values in zip(MEAN_COLUMNS, results(view, waves=wind_sea(speed)), strict=True):
                     columns[f"{quantity}[{band.label}]"][rows] = values
-                if levels:
+                if levels and speed == 0.0:
+                    # without wind nothing is drawn, and nothing is known of how unknown a calm is
+                    for quantity, end in product(MEAN_COLUMNS, (LOW, HIGH)):
+                        columns[f"{quantity}_{end}[{band.label}]"][rows] = np.nan
+                elif levels:
                     to = float(travel_azimuth(origin))
                     seas = [
                         results(replace(view, slopes=drawn_slopes(level, speed, to, kind != SLOPE_KINDS[0])), waves=wind_sea(speed, level))
@@ -541,8 +546,10 @@ def widest_sea_lines(columns: Columns) -> list[str]:
     lines, (quantity, unit) = [], (MEAN_COLUMNS[0], "W m-2 sr-1")
     for label in [name.removeprefix(f"{quantity}_{LOW}") for name in columns if name.startswith(f"{quantity}_{LOW}")]:
         value, low, high = (np.asarray(columns[f"{quantity}{ending}{label}"]) for ending in ("", f"_{LOW}", f"_{HIGH}"))
-        row = int(np.argmax((high - low) / value))
-        line = sea_line(float(low[row]), float(high[row]), int(np.asarray(columns[COUNT])[row]), unit=unit)
+        if np.all(np.isnan(high)):
+            continue
+        row = int(np.nanargmax((high - low) / value))
+        line = sea_line(float(low[row]), float(high[row]), int(np.asarray(columns[COUNT])[row]), unit=unit, value=float(value[row]))
         lines.append(f"widest in row {row + 1}, {label.strip('[]')} um, radiance {value[row]:.4g} {unit}; {line}")
     return lines
 

@@ -31,7 +31,7 @@ def field_numbers(scenario: Scenario, draws: int) -> TableRow:
     """Return ``FIELD_NUMBERS`` of the sea in view at time 0, and of each the ends of its interval over drawn seas.
 
     Up to ``SIDE`` rows and columns of pixels are computed at their middles, with standard refraction; without sea in view numbers are None.
-    Air, Sun and camera are prepared once: a drawn sea costs its slopes and their light alone.
+    Air, Sun and camera are prepared once: a drawn sea costs its waves and their light alone.
     """
     require_drawn(scenario)
     track, imager = scenario_physics.track(scenario), scenario_physics.imager(scenario)
@@ -45,14 +45,14 @@ def field_numbers(scenario: Scenario, draws: int) -> TableRow:
     if not sea.any():
         return {**dict.fromkeys(names), COUNT: draws}
     solid_angle = imager.solid_angle(pose.attitude, *points)
-    view, length = scenario_physics.standing_view(scenario, pose.height), scenario_physics.glint_correlation(scenario)
+    view = scenario_physics.standing_view(scenario, pose.height)
 
-    def numbers(seen: SeaView) -> FloatArray:
-        values = components_along(scenario, seen, length)(elevation[sea], azimuth[sea], solid_angle[sea])
+    def numbers(of: Scenario, seen: SeaView) -> FloatArray:
+        values = components_along(scenario, seen, scenario_physics.glint_correlation(of))(elevation[sea], azimuth[sea], solid_angle[sea])
         radiance = values[:4].sum(axis=0)
         return np.array([radiance.mean(), radiance.max(), math.sqrt(values[4].mean())])
 
-    own = numbers(view)
-    unknown = SeaUnknown.of([numbers(replace(view, slopes=slopes(drawn))) for drawn in sea_draws(scenario, draws)])
+    own = numbers(scenario, view)
+    unknown = SeaUnknown.of([numbers(drawn, replace(view, slopes=slopes(drawn))) for drawn in sea_draws(scenario, draws)])
     ends = zip(own.tolist(), unknown.low.tolist(), unknown.high.tolist(), strict=True)
     return {**dict(zip(names, (value for row in ends for value in row), strict=True)), COUNT: draws}

@@ -181,21 +181,23 @@ def mean(scenario: Scenario, progress: Progress | None = None, *, sea_draws: int
         require_standard_refraction(scenario)
         azimuth, elevation = imager.centres(pose.attitude)
 
-    def images(seen: SeaView, progress: Progress | None) -> dict[str, FloatArray]:
+    def images(seen: SeaView, correlation: float | WaveGlint, progress: Progress | None) -> dict[str, FloatArray]:
         if camera is not None:
-            maps = _of_rows(scenario, camera, seen, length, progress)
+            maps = _of_rows(scenario, camera, seen, correlation, progress)
         else:
-            maps = over_pixels(imager, pose, components_along(scenario, seen, length), progress)
+            maps = over_pixels(imager, pose, components_along(scenario, seen, correlation), progress)
         # The components are disjoint: their sum is the radiance at the sensor.
         total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
         return {"radiance": total, "apparent_temperature": apparent_temperature(total, seen.band, seen.atmosphere.wavenumber_cm)} | maps
 
-    values = images(view, part_of(progress, 0, 1 + len(seas)))
+    values = images(view, length, part_of(progress, 0, 1 + len(seas)))
     if seas:
-        # Air, sky and light are the scenario's: a sea has other slopes alone.
+        # Air, sky and light are the scenario's: a sea has other waves alone, from which slopes and sparkle follow.
         drawn = {name: np.empty((len(seas), *values[name].shape), dtype=np.float32) for name in UNKNOWN}
         for number, sea in enumerate(seas):
-            of_sea = images(replace(view, slopes=slopes(sea)), part_of(progress, 1 + number, 1 + len(seas)))
+            of_sea = images(
+                replace(view, slopes=slopes(sea)), scenario_physics.glint_correlation(sea), part_of(progress, 1 + number, 1 + len(seas))
+            )
             for name, stack in drawn.items():
                 stack[number] = of_sea[name]
         values |= _sea_intervals(drawn)
@@ -246,7 +248,9 @@ def brightest_lines(dataset: xr.Dataset) -> list[str]:
         ("glint_std", "standard deviation of glint", "W m-2 sr-1"),
     ):
         value, low, high = (float(dataset[each][y, x]) for each in (name, f"{name}_sea_low", f"{name}_sea_high"))
-        lines.append(f"brightest glint, {what}: {value:.4g} {unit}; {sea_line(low, high, int(dataset.attrs[COUNT]), unit=unit)}")
+        lines.append(
+            f"brightest glint, {what}: {value:.4g} {unit}; {sea_line(low, high, int(dataset.attrs[COUNT]), unit=unit, value=value)}"
+        )
     return lines
 
 
