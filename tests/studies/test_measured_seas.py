@@ -195,14 +195,32 @@ def test_joins_are_reported_once_and_in_the_provenance(tmp_path: Path, caplog: p
         assert waves(scenario) is first
     (line,) = [message for message in caplog.messages if "measured 5-900 rad/m" in message]
     modelled = 5.0**3 * float(ElfouhailySpectrum(7.0).omnidirectional(5.0))
-    assert f"Elfouhaily's spectrum below (saturation 0.008 measured, {modelled:.3g} modelled)" in line
-    assert "Elfouhaily's spectrum above" in line
+    assert f"with Elfouhaily's spectrum below (saturation 0.008 measured, {modelled:.3g} modelled) and Elfouhaily's spectrum above" in line
     (source,) = first.sources
     assert (source["file"], source["format"], len(str(source["sha256"]))) == ("sea.csv", "wavenumber-file", 64)
     sea_file(tmp_path, level=0.004)
     changed = waves(scenario).spectrum
     assert changed is not None
     assert sum(changed.mss(900.0, 5.0)) == pytest.approx(0.004 * np.log(180.0), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("kind", "wind", "text"),
+    [
+        (
+            "asit-2019",
+            3.0,
+            "measured 0.003212-1378 rad/m at 2.69 and 3.953 m/s, with no waves below (Elfouhaily's spectrum has none there either) and no "
+            "waves above",
+        ),
+        ("radyo-2008", 6.0, "measured 20-1000 rad/m at 5.34 and 7 m/s, with Elfouhaily's spectrum below (saturation "),
+    ],
+)
+def test_joins_of_two_winds_are_one_sentence(kind: str, wind: float, text: str) -> None:
+    """What both interpolated winds have in common is stated once."""
+    (source,) = waves(parse_scenario(scene(kind, wind))).sources
+    assert str(source["joins"]).startswith(text)
+    assert ";" not in str(source["joins"])
 
 
 @pytest.mark.parametrize(
@@ -279,11 +297,42 @@ def test_bands_side_by_side_add_up_to_the_whole(kind: str) -> None:
     assert data.attrs["whole_facets_up"] == result.whole.facets_up
 
 
-@pytest.mark.parametrize("bands", [(5.0,), (5.0, 4.0), (-1.0, 4.0), (5.0, 5.0), (5.0, float("nan"))])
-def test_bad_bands_are_refused(bands: tuple[float, ...]) -> None:
-    """Edges ascend from 0."""
-    with pytest.raises(DomainError, match="give two or more ascending edges"):
-        slope_bands(parse_scenario({}), bands)
+@pytest.mark.parametrize("sea", [{}, {"slopes": {"kind": "spectrum"}}, {"slopes": {"kind": "cox-munk-gram-charlier"}}])
+def test_bands_of_a_drawn_sea_are_those_of_its_waves(sea: dict[str, object]) -> None:
+    """Facets and drawn waves of every band are the drawn spectrum's, whatever ``sea.slopes`` is, and the header has the levels."""
+    scenario = parse_scenario({"sea": {"uncertainty": "campaigns", "short_wave_levels": [0.22, 0.93], **sea}})
+    result = slope_bands(scenario, EDGES)
+    for band in result.bands:
+        assert band.drawn_up + band.facets_up == pytest.approx(band.spectrum_up, rel=1e-12)
+        assert band.drawn_cross + band.facets_cross == pytest.approx(band.spectrum_cross, rel=1e-12)
+    assert result.slopes == "drawn between the campaigns, levels 0.22, 0.93"
+    assert result.slopes in result.lines()[0]
+    assert result.as_dict()["slopes"] == result.dataset().attrs["slopes"] == result.slopes
+
+
+def test_bands_of_a_drawn_sea_without_geometry_are_its_slopes() -> None:
+    """Without waves in ``sea.spectrum`` the facets have all slopes of the drawn sea, band by band."""
+    scenario = parse_scenario({"sea": {"uncertainty": "campaigns", "spectrum": {"kind": "flat"}}})
+    result = slope_bands(scenario, (0.0, 5.0, 100.0, 1e4))
+    assert sum(band.facets_up for band in result.bands) == pytest.approx(result.whole.facets_up, rel=1e-6)
+    # the same waves, with Elfouhaily's longer ones as geometry
+    other = slope_bands(scenario.model_copy(update={"sea": parse_scenario({"sea": {"uncertainty": "campaigns"}}).sea}), (5.0, 100.0, 1e4))
+    assert [band.facets_up for band in result.bands[1:]] == pytest.approx([band.spectrum_up for band in other.bands], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "bands", [(5.0,), (5.0, 4.0), (-1.0, 4.0), (5.0, 5.0), (5.0, float("nan")), 5, "5", "5,x", ["a", 3], [[1, 2]], [[1], 2], None, ""]
+)
+def test_bad_bands_are_refused(bands: object) -> None:
+    """Edges ascend from 0; other things are refused by the same line."""
+    with pytest.raises(DomainError, match="give two or more ascending edges") as error:
+        sg.evaluate.slopes({}, bands=bands)
+    assert "\n" not in str(error.value)
+
+
+def test_bands_as_a_text_are_those_of_numbers() -> None:
+    """A text as on the command line."""
+    assert sg.evaluate.slopes({}, bands="5, 20").identical(sg.evaluate.slopes({}, bands=[5, 20]))
 
 
 def test_waves_are_built_once() -> None:

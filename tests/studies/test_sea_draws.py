@@ -25,7 +25,7 @@ from seaglint.studies.likelihood.glint_chance import likelihood
 from seaglint.studies.mean.evaluate_cases import evaluate_mean, labelled_cases, parse_bands, widest_sea_lines
 from seaglint.studies.mean.field_numbers import FIELD_NUMBERS, field_numbers
 from seaglint.studies.mean.mean_map import UNKNOWN, brightest_lines, mean
-from seaglint.studies.sea_draws import SeaUnknown, sea_draws, sea_line, with_seas
+from seaglint.studies.sea_draws import SeaUnknown, _report_measured_waves, sea_draws, sea_line, with_seas
 from seaglint.studies.study_requests import LikelihoodRequest, MeanCasesRequest, MeanRequest
 
 SENSOR = {"azimuth_deg": 0.0, "elevation_deg": -10.0, "fov_deg": [6.0, 4.0]}
@@ -124,6 +124,13 @@ def test_a_number_of_seas_that_gives_no_interval_is_refused_in_one_line(make, dr
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("draws", [2.5, "5", 5.0, [5]])
+def test_a_number_of_seas_that_is_no_whole_number_is_refused_in_one_line(draws):
+    with pytest.raises(DataError, match=r"is no whole number; give the number of seas to draw, from 2 to 1000") as error:
+        mean(scenario(), sea_draws=draws)
+    assert "\n" not in str(error.value)
+
+
 @pytest.mark.parametrize("way", [{"best": True}, {"by_month": True}])
 def test_seas_are_drawn_for_chances_alone(way):
     with pytest.raises(DataError, match="sea_draws = 5: is for the chances of the thresholds alone"):
@@ -145,6 +152,25 @@ def test_scenarios_without_short_waves_to_draw_are_refused(tables, text):
     tables = {**tables, "sea": {**tables.get("sea", {}), "uncertainty": "campaigns"}}
     with pytest.raises(ScenarioError, match=text):
         scenario(**tables)
+
+
+def in_systems(kind):
+    return {"kind": "systems", "systems": [{"kind": "jonswap", "significant_height_m": 1.0, "peak_period_s": 10.0}, {"kind": kind}]}
+
+
+@pytest.mark.parametrize("kind", ["asit-2019", "radyo-2008"])
+@pytest.mark.parametrize("table", [lambda kind: {"kind": kind}, in_systems])
+def test_measured_short_waves_are_not_replaced_but_have_an_interval(kind, table, caplog):
+    """One sea cannot have both the measured short waves and drawn ones; an interval over other seas is reported as what it is."""
+    with pytest.raises(ScenarioError, match=rf"sea.uncertainty = 'campaigns' replaces .* \(kind = '{kind}'\); leave uncertainty") as error:
+        campaigns(spectrum=table(kind))
+    assert "\n" not in str(error.value)
+    _report_measured_waves.cache_clear()
+    given = scenario(sea={"spectrum": table(kind)})
+    assert [slopes(sea).mss for sea in sea_draws(given, 3)] != [slopes(given).mss] * 3
+    sea_draws(given, 3)
+    (line,) = [message for message in caplog.messages if "sea_draws" in message]
+    assert f"drawn between the campaigns from 5 rad/m on and have only longer waves of sea.spectrum '{kind}'" in line
 
 
 def test_levels_without_uncertainty_are_refused():
@@ -267,6 +293,9 @@ def test_an_ensemble_reports_rendering_and_drawn_seas_as_one_work(tmp_path):
     assert [done for done, _ in reported] == sorted(done for done, _ in reported)
     rows = (tmp_path / "out" / "sea_unknown.csv").read_text().splitlines()
     assert len(rows) == 3
+    reported.clear()
+    render_ensemble(given, tmp_path / "only", sea_draws=2, draw_only=True, progress=lambda done, total: reported.append((done, total)))
+    assert reported == [(0, 2), (1, 2), (2, 2)]
     # the scenes are the scenario's own: the table of parameters does not change
     plain = render_ensemble(given, tmp_path / "plain", draw_only=True)
     assert (plain / "parameters.csv").read_text() == (tmp_path / "out" / "parameters.csv").read_text()

@@ -153,3 +153,13 @@ def test_an_exported_sea_tells_its_file(tmp_path: Path) -> None:
     path = write_netcdf(export_sea(scenario(table), extent=(32.0, 32.0)).dataset(), tmp_path / "sea.nc")
     with xr.open_dataset(path) as found:
         assert json.loads(found.attrs["wave_spectra"])[0]["site"] == "2"
+
+
+@pytest.mark.parametrize("sea", [{"resolve_waves": False}, {"spectrum": {"kind": "flat"}}])
+def test_bound_waves_without_geometry_are_reported_once(sea: dict, caplog: pytest.LogCaptureFixture) -> None:
+    scenario_physics._report_no_bound_waves.cache_clear()
+    wanted = parse_scenario({"sea": {"nonlinear": "second-order", **sea}})
+    for _ in range(2):
+        scenario_physics.sea(wanted, scenario_physics.slopes(wanted))
+    (line,) = [message for message in caplog.messages if "second-order" in message]
+    assert line.startswith("seaglint: sea.nonlinear = 'second-order' has no effect with sea.")

@@ -225,7 +225,7 @@ def scattered(
 
 
 @documented(SlopesRequest)
-def slopes(scenario: SceneInput, *, bands: Sequence[float] = (1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0, 1000.0)) -> xr.Dataset:
+def slopes(scenario: SceneInput, *, bands: Sequence[float] | str = (1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0, 1000.0)) -> xr.Dataset:
     """Slope variance of a scenario's sea by bands of the wavenumber.
 
     Parameters
@@ -254,7 +254,7 @@ def slopes(scenario: SceneInput, *, bands: Sequence[float] = (1.0, 5.0, 10.0, 20
     from seaglint.api.inputs_and_results import scenario_of
     from seaglint.studies.mean.slope_bands import slope_bands
 
-    return slope_bands(scenario_of(scenario), tuple(bands)).dataset()
+    return slope_bands(scenario_of(scenario), bands).dataset()
 
 
 def _bands(bands: Sequence[str | tuple[float, float]]) -> Any:

@@ -55,7 +55,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
         "render": CommandEntry("render.render", "Render the sequence: radiance, or counts of a detector."),
         "sense": CommandEntry("sensor.sense", "Put a sensor on recorded radiance: counts of its detector."),
         "sensor": CommandEntry("sensor.sensor", "Figures of merit of a sensor: NETD, MTF, noise budget."),
-        "evaluate": CommandEntry("evaluate.evaluate", "Results for many cases: each row of a CSV file gets columns."),
+        "evaluate": CommandEntry("evaluate.evaluate", "Results for many cases, and slope variances of a sea."),
         "sweep": CommandEntry("sweep_keys.sweep", "Compute one quantity over every combination of values of keys."),
         "atmosphere": CommandEntry("atmosphere.atmosphere", "The air: soundings, files of it, and MODTRAN's files."),
         "weather": CommandEntry("weather.weather", "Tables of weather: how often which conditions come."),

@@ -39,7 +39,9 @@ def ensemble(
     if not (request.resume or request.draw_only):
         Folder(output).check(resume=False, overwrite=request.overwrite)
         tell_cost(loaded, run)
-    with run.chosen() as team, progress(run.show, "scenes") as report:
+    # With drawn seas a scene counts twice: when it is rendered, and when its interval is known.
+    counted = "scenes" if request.sea_draws is None or request.draw_only else "scenes and their drawn seas"
+    with run.chosen() as team, progress(run.show, counted) as report:
         render_ensemble(
             loaded,
             output,

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from seaglint.studies.mean.evaluate_cases import Columns
 
 evaluate = typer.Typer(
-    help="Results for many cases: each row of a CSV file gets columns.\n\nFurther columns pass through.", no_args_is_help=True
+    help="Results for many cases, and slope variances of a sea.\n\nEach row of a CSV file gets columns, and further columns pass through; "
+    "slopes reads a scenario.",
+    no_args_is_help=True,
 )
 
 CasesFile = Annotated[Path, typer.Argument(metavar="CASES.csv", help="one case a row; the first line names the columns")]

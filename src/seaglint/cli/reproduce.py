@@ -211,7 +211,8 @@ def measured(
 
     Writes DIR/measured.csv and measured.png.
 
-    Measured are AERI's zenith sky, HIS over the sea from 20 km, IRIS from space and a wave buoy. MODTRAN 4's path and sky and RRTMGP's
+    Measured are AERI's zenith sky, HIS over the sea from 20 km, IRIS from space and a wave buoy, with the skewness, the kurtosis and the
+    largest crest of its record. MODTRAN 4's path and sky and RRTMGP's
     paths and skies come from models. The data come with the package, and their sources are in measured.csv.
     """
     from seaglint.store.outputs import write_text

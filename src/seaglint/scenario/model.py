@@ -123,6 +123,12 @@ class Scenario(Record):
             return self
         if (reason := self.sea_not_drawn) is not None:
             raise rule("sea.uncertainty", f"= 'campaigns' {reason}", value="campaigns")
+        if (kind := self.sea.measured_kind) is not None:
+            text = (
+                f"= 'campaigns' replaces waves beyond 5 rad/m, and sea.spectrum has measured ones there (kind = '{kind}'); leave "
+                "uncertainty out for the measured sea, or set another sea.spectrum.kind such as 'elfouhaily'"
+            )
+            raise rule("sea.uncertainty", text, value="campaigns")
         return self
 
     @property

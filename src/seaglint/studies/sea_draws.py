@@ -6,7 +6,9 @@ their results are due to the short waves alone.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -15,8 +17,10 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.model import Scenario
-from seaglint.sea.spectra.campaign_draws import ShortWaveLevels, drawn_levels
+from seaglint.sea.spectra.campaign_draws import LONGEST, ShortWaveLevels, drawn_levels
 from seaglint.studies.study_requests import require_sea_draws
+
+log = logging.getLogger(__name__)
 
 SHARES: Final = (0.05, 0.95)  #: Shares of the drawn seas between which the interval lies [1].
 
@@ -98,11 +102,24 @@ def with_seas(scenario: Scenario, levels: Sequence[ShortWaveLevels]) -> list[Sce
 
 
 def require_drawn(scenario: Scenario) -> None:
-    """Refuse a scenario whose sea cannot be drawn between the campaigns."""
+    """Refuse a scenario whose sea cannot be drawn between the campaigns; report measured waves that the drawn seas do not have."""
     if (reason := scenario.sea_not_drawn) is not None:
         raise ScenarioError(f"sea_draws {reason}, or leave sea_draws out")
     if scenario.wind.speed_m_s == 0.0 and scenario.likelihood is None:
         raise ScenarioError("sea_draws draws the short waves of a wind, and wind.speed_m_s = 0; set a wind, or leave sea_draws out")
+    if (kind := scenario.sea.measured_kind) is not None:
+        _report_measured_waves(kind)
+
+
+@lru_cache(maxsize=64)
+def _report_measured_waves(kind: str) -> None:
+    """Report once that drawn seas have other short waves than a measured spectrum."""
+    log.warning(
+        "seaglint: sea_draws: the seas are drawn between the campaigns from %g rad/m on and have only longer waves of sea.spectrum '%s': "
+        "their interval need not contain the result of the measured sea",
+        LONGEST,
+        kind,
+    )
 
 
 def part_of(progress: Progress | None, number: int, parts: int) -> Progress | None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
+from operator import index
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple, get_args
 
@@ -43,9 +44,16 @@ def require_sea_draws(draws: int | None, name: str = "sea_draws") -> None:
     Raises
     ------
     DataError
-        A number outside 2 to ``MOST_SEAS``.
+        A number outside 2 to ``MOST_SEAS``, or no whole number.
     """
-    if draws is not None and not 2 <= draws <= MOST_SEAS:
+    if draws is None:
+        return
+    try:
+        index(draws)
+    except TypeError:
+        text = f"{name} = {draws!r} is no whole number; give the number of seas to draw, from 2 to {MOST_SEAS}, e.g. 20"
+        raise DataError(text) from None
+    if not 2 <= draws <= MOST_SEAS:
         raise DataError(f"{name} = {draws} is outside 2 to {MOST_SEAS}; give the number of seas to draw, e.g. 20, or leave it out")
 
 

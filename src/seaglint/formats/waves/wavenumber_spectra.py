@@ -13,7 +13,8 @@ column                                    meaning
 ========================================  ==============================================================================================
 
 A density per rad/m is S(k), with variance ``int S dk``. Beside ``wavenumber_cycles_m`` densities are per cycle/m, ``E(kappa) = 2 pi S(k)``,
-so that ``int E dkappa`` is the same variance. Rows may have any order.
+so that ``int E dkappa`` is the same variance. Rows may have any order. Units that NetCDF files state are converted, or refused where they
+contradict the name (``seaglint.formats.waves.wavenumber_units``).
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.formats.tables.table_text import read_table
 from seaglint.formats.waves.wave_records import open_dataset
+from seaglint.formats.waves.wavenumber_units import unit_factor
 from seaglint.sea.spectra.saturation import FEWEST, HALF_WIDTHS
 from seaglint.sea.spectra.saturation_table import SaturationRow, SaturationTable
 
@@ -69,6 +71,9 @@ def read_wavenumber_spectra(path: str | Path) -> SaturationTable:
 def _chosen(path: Path, names: list[str]) -> list[str]:
     """Return the columns to read; refuse those that are missing, ambiguous or without a unit, and report those that are not read."""
     has = ", ".join(names) or "none"
+    for name in names:
+        if name not in _KNOWN and name.lower() in _KNOWN and name.lower() not in names:
+            raise DataError(f"{path}: column '{name}' is unknown; did you mean {name.lower()}? Rename it or leave it out")
     wavenumbers = [name for name in names if name in WAVENUMBERS]
     if not wavenumbers:
         bare = next((name for name in names if name.lower() in _BARE), None)
@@ -104,8 +109,13 @@ def _of_netcdf(path: Path) -> dict[str, FloatArray]:
 
     with open_dataset(path) as data:
         names = _chosen(path, [str(name) for name in data.variables if data[name].dtype.kind in "fiu"])
+        _require_two_dimensions(path, data, names)
+        wavenumber = next(name for name in names if name in WAVENUMBERS)
+        factors = [unit_factor(path, data, name, wavenumber) for name in names]
         loaded: list[Any] = [data[name].load().reset_coords(drop=True) for name in names]
-        columns = [np.asarray(part.values, dtype=np.float64).ravel() for part in xr.broadcast(*loaded)]
+        columns = [
+            factor * np.asarray(part.values, dtype=np.float64).ravel() for factor, part in zip(factors, xr.broadcast(*loaded), strict=True)
+        ]
     for name, values in zip(names, columns, strict=True):
         low, high = _LOW.get(name, 0.0), _HIGH.get(name, np.inf)
         bad = ~(np.isfinite(values) & (values >= low) & (values <= high))
@@ -113,8 +123,23 @@ def _of_netcdf(path: Path) -> dict[str, FloatArray]:
             found = values[bad][0]
             what = "is missing (NaN)" if np.isnan(found) else f"= {found:g} is outside the range allowed: {low:g} to {high:g}"
             what = what.replace(" to inf", " or more")
-            raise DataError(f"{path}: {name} {what} at {int(bad.sum())} of {values.size} places; leave those wavenumbers out")
+            # a grid has the same wavenumbers at all winds
+            other = f", or give CSV with one row for each measured wavenumber of each {WIND}" if WIND in names else ""
+            raise DataError(f"{path}: {name} {what} at {int(bad.sum())} of {values.size} places; leave those wavenumbers out{other}")
     return dict(zip(names, columns, strict=True))
+
+
+def _require_two_dimensions(path: Path, data: Any, names: list[str]) -> None:
+    """Refuse a dimension along which neither the wavenumber nor the wind is given."""
+    known = {dim for name in names if name in (*WAVENUMBERS, WIND) for dim in data[name].dims}
+    for name in names:
+        for dim, size in data[name].sizes.items():
+            if dim not in known and size > 1:
+                other = "" if WIND in names else f", or add {WIND} along it if it is the wind"
+                raise DataError(
+                    f"{path}: {name} has the dimension '{dim}' of {size} values beside those of wavenumber and wind; select one, or "
+                    f"sum or average over it{other}"
+                )
 
 
 def _winds(columns: dict[str, FloatArray]) -> list[float | None]:

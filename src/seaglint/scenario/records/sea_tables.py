@@ -357,9 +357,14 @@ class Sea(Record):
 
     @model_validator(mode="after")
     def _measured_waves_bring_their_slopes(self) -> Self:
-        table = self.spectrum
-        systems = table.systems if isinstance(table, WaveSystems) else (table,)
-        if "slopes" not in self.model_fields_set and any(isinstance(system, MeasuredWaves) for system in systems):
+        if "slopes" not in self.model_fields_set and self.measured_kind is not None:
             # Set without marking the key as stated, so that a file written from this scenario leaves it out.
             self.__dict__["slopes"] = SpectrumSlopes()
         return self
+
+    @property
+    def measured_kind(self) -> str | None:
+        """Kind of the first measured wavenumber spectrum, alone or of several systems; None without one."""
+        table = self.spectrum
+        systems = table.systems if isinstance(table, WaveSystems) else (table,)
+        return next((system.kind for system in systems if isinstance(system, MeasuredWaves)), None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -95,7 +96,7 @@ def _waves(system: requested_sea.MeasuredWaves, stamp: tuple[int, int], speed: f
     spectrum = mixed(parts)
     name = system.path.name if isinstance(system, requested_sea.WavenumberFile) else system.kind
     directions = "delta or half width of the table" if table.has_directions else "width as stated" if width else "Elfouhaily's at the wind"
-    joins = "; ".join(_joined(row.wind, one, system) for (_, one), (_, row) in zip(parts, table.shares(speed), strict=True))
+    joins = _joined([row.wind for _, row in table.shares(speed)], [one for _, one in parts], system)
     log.info("seaglint: %s = '%s' (%s): %s; directions: %s", key, system.kind, name, joins, directions)
     _report_many_slopes(sum(spectrum.mss()), speed, name)
     report: JsonObject = {
@@ -113,19 +114,26 @@ def _waves(system: requested_sea.MeasuredWaves, stamp: tuple[int, int], speed: f
     return Waves(spectrum, (report,))
 
 
-def _joined(wind: float | None, one: SaturationSpectrum, system: requested_sea.MeasuredWaves) -> str:
-    """Return the range of a measured spectrum and its joins in words."""
-    longest, shortest = one.joins()
-    of = "" if wind is None else f"{wind:.4g} m/s: "
+def _joined(winds: Sequence[float | None], rows: Sequence[SaturationSpectrum], system: requested_sea.MeasuredWaves) -> str:
+    """Return the ranges of the interpolated rows of a measured spectrum and their joins in one sentence."""
+    longest, shortest = zip(*(one.joins() for one in rows), strict=True)
+    ranges = _each([f"{low.wavenumber:.4g}-{high.wavenumber:.4g}" for low, high in zip(longest, shortest, strict=True)])
+    at = "" if None in winds else f" at {_each([f'{wind:.4g}' for wind in winds])} m/s"
     ends = []
-    for join, choice, words in ((longest, system.longer_waves, "below"), (shortest, system.shorter_waves, "above")):
+    for joins, choice, word in ((longest, system.longer_waves, "below"), (shortest, system.shorter_waves, "above")):
         if choice == "cut":
-            ends.append(f"cut {words}")
-        elif join.model == 0.0:
-            ends.append(f"nothing {words} (Elfouhaily's spectrum has no waves there)")
+            ends.append(f"no waves {word}")
+        elif all(join.model == 0.0 for join in joins):
+            ends.append(f"no waves {word} (Elfouhaily's spectrum has none there either)")
         else:
-            ends.append(f"Elfouhaily's spectrum {words} (saturation {join.measured:.3g} measured, {join.model:.3g} modelled)")
-    return f"{of}measured {longest.wavenumber:.4g}-{shortest.wavenumber:.4g} rad/m, {', '.join(ends)}"
+            measured, model = (_each([f"{getattr(join, name):.3g}" for join in joins]) for name in ("measured", "model"))
+            ends.append(f"Elfouhaily's spectrum {word} (saturation {measured} measured, {model} modelled)")
+    return f"measured {ranges} rad/m{at}, with {' and '.join(ends)}"
+
+
+def _each(texts: Sequence[str]) -> str:
+    """Return the texts of the rows in words, once where they are equal."""
+    return " and ".join(dict.fromkeys(texts))
 
 
 @lru_cache(maxsize=64)

@@ -7,10 +7,11 @@ profile of the air (``bending``).
 from __future__ import annotations
 
 import json
+import logging
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import Final, NamedTuple, assert_never
 
 import numpy as np
@@ -59,6 +60,8 @@ from seaglint.sea.wave_field import WaveField
 from seaglint.studies.build.measured_waves import Waves
 from seaglint.studies.build.profile_air import ComputedAir, profile_atmosphere, program_sounding
 from seaglint.studies.build.waves_and_slopes import drawn_sea_facts, slopes, waves
+
+log = logging.getLogger(__name__)
 
 
 def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: str) -> Track:
@@ -453,6 +456,8 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
     """
     resolved = waves(scenario) if scenario.sea.resolve_waves else Waves(None)
     spectral = resolved.spectrum
+    if scenario.sea.nonlinear == "second-order":
+        _report_no_bound_waves(scenario.sea.resolve_waves, scenario.sea.spectrum.kind)
     facts: JsonObject = {"facet_density": facet_density(statistics), **drawn_sea_facts(scenario)}
     if resolved.sources:
         facts["wave_spectra"] = json.dumps(resolved.sources)  # NetCDF has no lists of tables
@@ -505,6 +510,14 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
             **facts,
         },
     )
+
+
+@lru_cache(maxsize=8)
+def _report_no_bound_waves(resolved: bool, kind: str) -> None:
+    """Report once that bound waves are requested of a sea without geometry."""
+    if not resolved or kind == "flat":
+        key, other = ("sea.spectrum.kind = 'flat'", "select waves") if resolved else ("sea.resolve_waves = false", "set it to true")
+        log.warning("seaglint: sea.nonlinear = 'second-order' has no effect with %s, which leaves no waves as geometry; %s", key, other)
 
 
 def breaking_waves(scenario: Scenario, waves: WaveField | None) -> FoamField | None:

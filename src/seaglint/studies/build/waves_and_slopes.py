@@ -93,8 +93,11 @@ def _drawn(scenario: Scenario, longer: DirectionalSpectrum | None) -> Directiona
     return drawn_sea(speed, levels(scenario), to, longer, directed=has_wind_sea(scenario) or _is_measured(scenario))
 
 
-def _all_drawn(scenario: Scenario) -> DirectionalSpectrum | None:
-    """Return the spectrum of all waves of a drawn sea; where none is geometry, the longer ones are Elfouhaily's."""
+def drawn_waves(scenario: Scenario) -> DirectionalSpectrum | None:
+    """Return the spectrum of all waves of a drawn sea, from which its slopes follow; None for a sea without waves.
+
+    With ``sea.spectrum.kind = "flat"`` no waves are geometry, and the longer ones of the slopes are Elfouhaily's.
+    """
     if not isinstance(scenario.sea.spectrum, FlatSea):
         return spectrum(scenario)
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
@@ -105,7 +108,7 @@ def drawn_sea_facts(scenario: Scenario) -> JsonObject:
     """Return the levels of a drawn sea, its slope variance and the wavenumber at which it ends, for the provenance; empty without one."""
     if scenario.sea.uncertainty == "none":
         return {}
-    place, sea = levels(scenario), _all_drawn(scenario)
+    place, sea = levels(scenario), drawn_waves(scenario)
     return {
         "sea_uncertainty": scenario.sea.uncertainty,
         "short_wave_level_long": place.long,
@@ -230,7 +233,7 @@ def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics
     """Return the slope statistics by the scenario's slope law, which may be the spectrum of its waves."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     if scenario.sea.uncertainty != "none":
-        drawn = _all_drawn(scenario) if isinstance(scenario.sea.spectrum, FlatSea) else sea
+        drawn = drawn_waves(scenario) if isinstance(scenario.sea.spectrum, FlatSea) else sea
         # A sea without wind still has residual slopes, as the fits of Cox and Munk have.
         return at_least_residual(SlopeStatistics(0.0, 0.0, to) if drawn is None else spectrum_slopes(drawn))
     match scenario.sea.slopes:

@@ -211,6 +211,8 @@ def render_ensemble(
         if sea_draws is not None:
             # In this process: a scene takes seconds at most, where its rendering takes minutes.
             rows: list[TableRow] = []
+            if draw_only and progress is not None:
+                progress(0, len(drawn))  # the first report is what was there before
             for scene in drawn:
                 rows.append({"scene": scene.number, **_named(scene, partial(field_numbers, draws=sea_draws))})
                 if progress is not None:

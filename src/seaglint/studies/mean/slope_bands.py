@@ -16,7 +16,7 @@ from seaglint.scenario.records.sea_tables import SpectrumSlopes
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.studies.build import scenario_physics
-from seaglint.studies.build.waves_and_slopes import slopes, spectrum
+from seaglint.studies.build.waves_and_slopes import drawn_waves, levels, slopes, spectrum
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,7 +45,7 @@ class SlopeBands:
 
     bands: tuple[SlopeBand, ...]  #: Ascending, side by side.
     whole: SlopeBand  #: All waves; the highest wavenumber is the spectrum's, or the slope law's.
-    slopes: str  #: Kind of the slope law.
+    slopes: str  #: Kind of the slope law, or the levels of a sea drawn between the campaigns.
     spectrum: str  #: Kind of the spectrum.
     cut_wavenumber_rad_m: float  #: Wavenumber up to which waves are geometry [rad m⁻¹]; 0 without such waves.
 
@@ -76,36 +76,51 @@ class SlopeBands:
         return xr.Dataset({name: ("band", values, {"units": "1"}) for name, values in columns.items()}, edges, attributes)
 
 
-def slope_bands(scenario: Scenario, bands: Sequence[float]) -> SlopeBands:
+def _edges(bands: Sequence[float] | str) -> FloatArray:
+    """Return the edges of bands [rad/m], of numbers or of a text such as ``5,20,100``; refuse those that are no bands."""
+    try:
+        edges = np.asarray(bands.split(",") if isinstance(bands, str) else bands, dtype=np.float64)
+    except (TypeError, ValueError):
+        edges = np.empty(0)
+    if edges.ndim == 1 and edges.size >= 2 and np.all(np.isfinite(edges)) and edges[0] >= 0.0 and np.all(np.diff(edges) > 0.0):
+        return edges
+    given = ",".join(f"{edge:g}" for edge in edges) if edges.ndim == 1 and edges.size else bands
+    raise DomainError(f"bands = {given} are no bands of wavenumbers; give two or more ascending edges of 0 rad/m or above, as 5,20,100")
+
+
+def slope_bands(scenario: Scenario, bands: Sequence[float] | str) -> SlopeBands:
     """Return the slope variances of a scenario's sea in bands between ascending wavenumbers [rad/m].
 
     Raises
     ------
     DomainError
-        Edges that are fewer than two, negative, not finite or not ascending.
+        Edges that are no numbers, fewer than two, negative, not finite or not ascending.
     """
-    edges = np.asarray(bands, dtype=np.float64)
-    if edges.size < 2 or not np.all(np.isfinite(edges)) or edges[0] < 0.0 or np.any(np.diff(edges) <= 0.0):
-        given = ",".join(f"{edge:g}" for edge in edges)
-        raise DomainError(f"bands = {given} are no bands of wavenumbers; give two or more ascending edges of 0 rad/m or above, as 5,20,100")
+    edges = _edges(bands)
     statistics, sea = slopes(scenario), spectrum(scenario)
     prepared = scenario_physics.sea(scenario, statistics)
-    exact = isinstance(scenario.sea.slopes, SpectrumSlopes) and statistics.directed is None
+    drawn_sea = scenario.sea.uncertainty != "none"
+    # Slopes of a drawn sea are those of its waves, whatever sea.slopes is.
+    source = drawn_waves(scenario) if drawn_sea else sea if isinstance(scenario.sea.slopes, SpectrumSlopes) else None
+    # The residual slopes of light winds are in no spectrum.
+    exact = statistics.directed is None and source is not None
 
     def variances(low: float, high: float) -> tuple[Pair, Pair, Pair]:
         """Return the variances of drawn waves, of the slope law and of the spectrum."""
         waves = (0.0, 0.0) if sea is None else sea.mss(high, low)
         drawn = (0.0, 0.0) if prepared.waves is None else prepared.waves.band_mss(low, high)
-        return drawn, waves if exact else _law(statistics, low, high), waves
+        law = source.mss(high, low) if exact and source is not None else _law(statistics, low, high)
+        return drawn, law, waves
 
     top = max(float(edges[-1]), _last(statistics, sea))
     rows = [_band(low, high, *variances(low, high)) for low, high in pairwise(edges.tolist())]
     whole = (0.0, 0.0) if prepared.waves is None else prepared.waves.resolved_mss()
     total = _band(0.0, top, whole, (statistics.mss_up, statistics.mss_cross), (0.0, 0.0) if sea is None else sea.mss())
     cut = 0.0 if prepared.waves is None else prepared.waves.tiles[-1].k_max
-    return SlopeBands(
-        bands=tuple(rows), whole=total, slopes=scenario.sea.slopes.kind, spectrum=scenario.sea.spectrum.kind, cut_wavenumber_rad_m=cut
-    )
+    kind: str = scenario.sea.slopes.kind
+    if drawn_sea:
+        kind = f"drawn between the campaigns, levels {', '.join(f'{level:.2f}' for level in levels(scenario))}"
+    return SlopeBands(bands=tuple(rows), whole=total, slopes=kind, spectrum=scenario.sea.spectrum.kind, cut_wavenumber_rad_m=cut)
 
 
 def _last(statistics: SlopeStatistics, sea: DirectionalSpectrum | None) -> float:

@@ -491,12 +491,13 @@ class AgainstMeasurements:
         for (case, spectroscopy), group in groupby(self.rows, key=lambda row: (row.case, row.spectroscopy)):
             rows = list(group)
             out.append(f"{case}{f', {spectroscopy}' if spectroscopy else ''}")
-            out.append(_aligned(("", "ours", "measured", "unit", "diff. %", "diff. K", "rms", "uncertainty")))
+            width = max(_WIDTHS[0], *(len(row.quantity) for row in rows))
+            out.append(_aligned(("", "ours", "measured", "unit", "diff. %", "diff. K", "rms", "uncertainty"), width))
             for row in rows:
                 numbers = (_number(row.ours, row.unit), _number(row.measured, row.unit), row.unit)
                 rms = _shown(row.rms, ".3f" if row.unit == "1" else ".2f")
                 rest = (_shown(row.difference_percent, "+.1f"), _shown(row.difference_k, "+.2f"), rms)
-                out.append(_aligned((row.quantity, *numbers, *rest, row.uncertainty)))
+                out.append(_aligned((row.quantity, *numbers, *rest, row.uncertainty), width))
             out += [f"  {reason}" for reason in dict.fromkeys(row.reason for row in rows)] + [""]
         return out[:-1]
 
@@ -520,9 +521,10 @@ def against_measurements(spectroscopy: str = "both") -> AgainstMeasurements:
     return AgainstMeasurements(tuple(rows), tuple(spectra))
 
 
-def _aligned(cells: Sequence[str]) -> str:
-    first, *middle = (f"{cell:>{width}}" for cell, width in zip(cells[:-1], _WIDTHS, strict=True))
-    return " ".join(["  " + first.strip().ljust(_WIDTHS[0]), *middle, " " + cells[-1]]).rstrip()
+def _aligned(cells: Sequence[str], first: int) -> str:
+    """Return cells in columns, the first one ``first`` characters wide."""
+    middle = (f"{cell:>{width}}" for cell, width in zip(cells[1:-1], _WIDTHS[1:], strict=True))
+    return " ".join(["  " + cells[0].ljust(first), *middle, " " + cells[-1]]).rstrip()
 
 
 def _number(value: float, unit: str) -> str:
