@@ -78,11 +78,11 @@ def test_cases_have_a_moon():
         evaluate_mean(Cases(Path("cases.csv"), list(names[:-1]), [row[:-1] for row in rows], [2, 3]), parse_bands(["8.0-12.0"]))
 
 
-@pytest.mark.parametrize(("correlation", "tolerance"), [("time", 0.03), ("waves", 0.12)])
+@pytest.mark.parametrize(("correlation", "tolerance"), [("time", 0.03), ("waves", 0.06)])
 def test_the_likelihood_sees_the_same_moonlight(correlation, tolerance):
     """Draws of one weather under a given Moon, beside the mean radiance of their lines of sight.
 
-    From the waves, the likelihood interpolates between winds, and takes slopes as equal in all directions: it draws no wind direction.
+    From the waves, the likelihood interpolates between winds.
     """
     tables = {
         "likelihood": {"threshold_w_m2_sr": [1e-4], "case": "single-look", "samples": 256, "depression_deg": [2.0, 20.0],

@@ -160,6 +160,8 @@ class Looks:
     cos_incidence: FloatArray
     elevation: FloatArray  #: Elevation of the viewer at the sea there [rad]; negative where the look misses the sea.
     sun_up: FloatArray  #: Sine of the elevation there of the visible part of the Sun [1].
+    radius: FloatArray  #: Radius of the light's disc [rad].
+    light_from_wind: FloatArray  #: Azimuth of the light from the direction in which waves travel [rad].
 
 
 def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Search = Search()) -> Looks:
@@ -187,7 +189,8 @@ def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Sear
     plan = _LookPlan(search.depressions, search.azimuths, search.refinements, search.half_width, *light.depression)
     disc = sun_disc(0.0, 0.0, STEADY)
     in_threads(lambda part: _fill(part, rows, levels, light, sea, plan, disc.rule, out), rows.shape[0])
-    return Looks(*(np.ascontiguousarray(column) for column in out.T))
+    radius, aside = np.full(rows.shape[0], SOLAR_ANGULAR_RADIUS), rows[:, 5] - rows[:, 2]
+    return Looks(*(np.ascontiguousarray(column) for column in (*out.T, radius, aside)))
 
 
 class _LookPlan(NamedTuple):
@@ -397,15 +400,16 @@ def wave_deviation(
     wind : ndarray
         Winds of the looks [m s⁻¹, (n,)].
     at : callable
-        Waves and slopes of a wind [m s⁻¹].
+        Waves and slopes of a wind [m s⁻¹], with waves that travel towards azimuth 0.
     """
     gamma = np.maximum(evaluated.elevation, 0.0)
     shown = (evaluated.radiance > 0.0) & (evaluated.chance > 0.0)
     out = np.zeros(gamma.shape)
     if shown.any():
         slant = slant_range(height, sea_arc(height, gamma))
-        looks = (evaluated.cos_incidence, 0.5 * np.pi - gamma, evaluated.sun_up, slant, np.full(gamma.shape, solid_angle), evaluated.chance)
-        share = variance_by_wind(at, wind[shown], SOLAR_ANGULAR_RADIUS, tuple(np.asarray(look)[shown] for look in looks))
+        looks = [evaluated.cos_incidence, 0.5 * np.pi - gamma, evaluated.sun_up, slant, np.full(gamma.shape, solid_angle)]
+        looks += [evaluated.chance, evaluated.light_from_wind]
+        share = variance_by_wind(at, wind[shown], evaluated.radius[shown], tuple(np.asarray(look)[shown] for look in looks))
         out[shown] = evaluated.radiance[shown] * np.sqrt(share)
     return out
 

@@ -98,7 +98,7 @@ def moonlit_looks(rows: FloatArray, moons: Moons, band: MoonBand, light: Mirrore
     radiance = near.radiance + share * (far.radiance - near.radiance)
     lit = np.maximum(0.5 * (1.0 + np.cos(moons.phase)), 1e-4)
     chance = np.minimum(near.chance * lit * (radius / SOLAR_ANGULAR_RADIUS) ** 2, 1.0)
-    return replace(near, radiance=radiance, chance=chance)
+    return replace(near, radiance=radiance, chance=chance, radius=radius * np.sqrt(lit))
 
 
 def brighter(sun: Looks, moon: Looks, *, searched: bool) -> tuple[Looks, NDArray[np.bool_]]:

@@ -89,14 +89,14 @@ class WaveGlint:
     def relative_variance(
         self,
         slopes: SlopeStatistics,
-        radius: float,
+        radius: ArrayLike,
         cos_incidence: ArrayLike,
         view_zenith: ArrayLike,
         sun_up: ArrayLike,
         slant_range: ArrayLike,
         solid_angle: ArrayLike,
         chance: ArrayLike,
-        solar_azimuth: float | None = None,
+        solar_azimuth: ArrayLike | None = None,
     ) -> FloatArray:
         r"""Relative variance of the mirrored Sun in square pixels, ``v = K A+/(Omega r^2)`` [1].
 
@@ -107,7 +107,7 @@ class WaveGlint:
         ----------
         slopes : SlopeStatistics
             Slopes of all waves.
-        radius : float
+        radius : array_like
             Angular radius of the Sun, or of the lit part of the Moon [rad].
         cos_incidence, view_zenith, slant_range, solid_angle
             As in ``patches``.
@@ -115,7 +115,7 @@ class WaveGlint:
             Cosine of the zenith angle of the visible part of the Sun [1].
         chance : array_like
             P, share of the viewed area that mirrors the light, above 0 [1].
-        solar_azimuth : float, optional
+        solar_azimuth : array_like, optional
             Azimuth of the Sun [rad]; without it slopes are taken as equal in all directions.
 
         Returns
@@ -133,7 +133,8 @@ class WaveGlint:
         tilt = np.clip((upward + np.asarray(sun_up, np.float64)) / (2.0 * cosine), 1e-3, 1.0)
         steepness = np.sqrt(np.maximum(1.0 / tilt**2 - 1.0, 0.0) * _inverse_variance(slopes, cosine, upward, sun_up, solar_azimuth))
         # the disc in slopes is larger where the Sun is met at a grazing angle
-        spread = radius / (2.0 * np.sqrt(tilt**3 * cosine))
+        disc = np.asarray(radius, np.float64)
+        spread = disc / (2.0 * np.sqrt(tilt**3 * cosine))
         width = np.sqrt(np.asarray(solid_angle, np.float64)) * np.asarray(slant_range, np.float64)
         steepness, width, length, spread = np.broadcast_arrays(steepness, width, width / upward, spread)
         if steepness.size == 0 or slopes.is_flat:
@@ -147,7 +148,7 @@ class WaveGlint:
             peak = 2.0 * math.pi * np.sqrt((slopes.mss_up + spread2) * (slopes.mss_cross + spread2))
             density = np.exp(-0.5 * steepness**2) / peak
             share = np.maximum(np.asarray(chance, np.float64), 1e-300)
-            seen = density * math.pi * radius**2 / (4.0 * tilt**4 * share)
+            seen = density * math.pi * disc**2 / (4.0 * tilt**4 * share)
         else:
             # the chance has a skewness that the steepness does not know
             seen = projected_area(np.asarray(view_zenith, np.float64), 0.5 * slopes.mss)
@@ -172,7 +173,7 @@ class WaveGlint:
 
 
 def variance_by_wind(
-    at: Callable[[float], tuple[WaveGlint, SlopeStatistics]], wind: FloatArray, radius: float, looks: tuple[FloatArray, ...]
+    at: Callable[[float], tuple[WaveGlint, SlopeStatistics]], wind: FloatArray, radius: FloatArray, looks: tuple[FloatArray, ...]
 ) -> FloatArray:
     """Relative variance of the mirrored Sun in square pixels, each at its own wind: interpolated between ``WINDS`` in logarithms.
 
@@ -182,10 +183,11 @@ def variance_by_wind(
         Waves and slopes of a wind [m s⁻¹].
     wind : ndarray
         Winds [m s⁻¹, (n,)]; beyond ``WINDS`` the nearest of them counts.
-    radius : float
-        Angular radius of the light [rad].
+    radius : ndarray
+        Angular radius of the light [rad, (n,)].
     looks : tuple of ndarray
-        Cosine of incidence, view zenith, ``sun_up``, slant range, solid angle and chance of ``WaveGlint.relative_variance`` [(n,) each].
+        Cosine of incidence, view zenith, ``sun_up``, slant range, solid angle, chance and azimuth of the light, as of
+        ``WaveGlint.relative_variance`` [(n,) each].
 
     Returns
     -------
@@ -200,12 +202,12 @@ def variance_by_wind(
         near = weight > 0.0
         if near.any():
             glint, slopes = at(node)
-            total[near] += weight[near] * np.log(glint.relative_variance(slopes, radius, *(look[near] for look in looks)))
+            total[near] += weight[near] * np.log(glint.relative_variance(slopes, radius[near], *(look[near] for look in looks)))
     return np.exp(total)
 
 
 def _inverse_variance(
-    slopes: SlopeStatistics, cosine: FloatArray, view_up: FloatArray, sun_up: ArrayLike, solar_azimuth: float | None
+    slopes: SlopeStatistics, cosine: FloatArray, view_up: FloatArray, sun_up: ArrayLike, solar_azimuth: ArrayLike | None
 ) -> FloatArray:
     """Squared steepness of the mirroring slope over its square [1], from the direction that the angle of incidence implies."""
     least = max(slopes.mss, 1e-300) * 1e-6
@@ -219,7 +221,7 @@ def _inverse_variance(
     along = np.sqrt(np.maximum(1.0 - view_up**2, 0.0)) * aside + np.sqrt(np.maximum(1.0 - sun**2, 0.0))
     across = np.sqrt(np.maximum((1.0 - view_up**2) * (1.0 - aside**2), 0.0))
     size = np.maximum(along**2 + across**2, 1e-12)
-    double = (along**2 - across**2) / size * math.cos(2.0 * (solar_azimuth - slopes.wind_to_azimuth))
+    double = (along**2 - across**2) / size * np.cos(2.0 * (np.asarray(solar_azimuth, np.float64) - slopes.wind_to_azimuth))
     return np.asarray(0.5 * ((1.0 + double) / up + (1.0 - double) / cross))
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Final
 
 import numpy as np
@@ -565,11 +565,12 @@ def _varying(model: LikelihoodModel) -> list[str]:
 
 def _everywhere(some: Looks, at: NDArray[np.intp], total: int) -> Looks:
     """Return all looks, with 0 for looks that were passed over."""
-    whole = np.zeros((5, total))
-    whole[3] = -1.0  # an elevation below 0 marks a look that misses the sea
-    for row, values in zip(whole, (some.radiance, some.chance, some.cos_incidence, some.elevation, some.sun_up), strict=True):
-        row[at] = values
-    return Looks(*whole)
+    names = [field.name for field in fields(Looks)]
+    whole = {name: np.zeros(total) for name in names}
+    whole["elevation"] -= 1.0  # an elevation below 0 marks a look that misses the sea
+    for name in names:
+        whole[name][at] = getattr(some, name)
+    return Looks(**whole)
 
 
 def _geometry(model: LikelihoodModel, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -620,7 +621,8 @@ def pixel_deviation(model: LikelihoodModel, drawn: Draws) -> FloatArray:
     def at(wind: float) -> tuple[WaveGlint, SlopeStatistics]:
         # stronger winds of the weather count as the strongest of the law, as in the means
         speed = min(wind, float(model.winds[-1]))
-        windy = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": speed})})
+        # waves that travel to the north: azimuths of looks are counted from there
+        windy = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": speed, "from_deg": 180.0})})
         glint = scenario_physics.glint_correlation(windy)
         assert isinstance(glint, WaveGlint)
         return glint, slopes(windy)
