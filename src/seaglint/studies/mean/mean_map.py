@@ -281,8 +281,11 @@ def _wave_file(scenario: Scenario) -> dict[str, str | int]:
 
 
 def _correlation(correlation: float | WaveGlint) -> dict[str, str | float]:
-    """Return the length of the sea's cells [m], or the name of what replaces it."""
-    return {"glint_correlation": "waves"} if isinstance(correlation, WaveGlint) else {"glint_correlation_length_m": correlation}
+    """Return the length of the sea's cells [m], or the name of what replaces it and the length of the waves from which on it counts [m]."""
+    if not isinstance(correlation, WaveGlint):
+        return {"glint_correlation_length_m": correlation}
+    cut = correlation.shortest_wave
+    return {"glint_correlation": "waves", **({"glint_waves_shorter_than_m": cut} if math.isfinite(cut) else {})}
 
 
 def _of_rows(
