@@ -116,8 +116,8 @@ def test_coarse_maps_are_averages_over_their_rows_as_images_are(wind):
 @pytest.mark.parametrize("mode", [pytest.param("spectral", marks=pytest.mark.validation), "article"])
 def test_glint_of_coarse_pixels_is_that_of_fine_ones_averaged(mode):
     """Cells are independent: the variance of a pixel is the mean of its parts' variances over their number."""
-    coarse = mean_map(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [24, 12], "elevation_deg": -3.6})
-    fine = mean_map(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [72, 36], "elevation_deg": -3.6})
+    look, cells = {"height_m": 100.0, "fov_deg": [12.0, 6.0], "elevation_deg": -3.6}, {"glint": {"correlation": "time"}}
+    coarse, fine = (mean_map(mode, sensor=look | {"pixels": pixels}, sea=cells) for pixels in ([24, 12], [72, 36]))
     parts = fine["glint_std"].to_numpy().astype(np.float64).reshape(12, 3, 24, 3) ** 2
     # The rows of both are averages over elevation, the columns middles: 1 % of a glitter pattern some degrees wide.
     np.testing.assert_allclose(parts.mean(axis=(1, 3)) / 9.0, coarse["glint_std"].to_numpy().astype(np.float64) ** 2, rtol=0.03)

@@ -131,18 +131,19 @@ class WaveGlint:
         cosine = np.maximum(np.asarray(cos_incidence, np.float64), 1e-9)
         upward = np.maximum(np.cos(np.asarray(view_zenith, np.float64)), 1e-6)
         tilt = np.clip((upward + np.asarray(sun_up, np.float64)) / (2.0 * cosine), 1e-3, 1.0)
-        steepness = np.sqrt(np.maximum(1.0 / tilt**2 - 1.0, 0.0) * _inverse_variance(slopes, cosine, upward, sun_up, solar_azimuth))
+        inverse, along = _directions(slopes, cosine, upward, sun_up, solar_azimuth)
+        steepness = np.sqrt(np.maximum(1.0 / tilt**2 - 1.0, 0.0) * inverse)
         # the disc in slopes is larger where the Sun is met at a grazing angle
         disc = np.asarray(radius, np.float64)
         spread = disc / (2.0 * np.sqrt(tilt**3 * cosine))
         width = np.sqrt(np.asarray(solid_angle, np.float64)) * np.asarray(slant_range, np.float64)
-        steepness, width, length, spread = np.broadcast_arrays(steepness, width, width / upward, spread)
+        steepness, width, length, spread, along = np.broadcast_arrays(steepness, width, width / upward, spread, along)
         if steepness.size == 0 or slopes.is_flat:
             return np.zeros(steepness.shape)
         # block by block: the corners of the table take some hundred bytes a pixel
-        columns = [np.ravel(values) for values in (width, length / width, spread, steepness)]
+        columns = [np.ravel(values) for values in (width, length / width, spread, steepness, along)]
         blocks = [[column[i : i + _BLOCK] for column in columns] for i in range(0, steepness.size, _BLOCK)]
-        logs = np.concatenate([self._area(slopes, (block[0], block[1], block[2]), block[3]) for block in blocks])
+        logs = np.concatenate([self._area(slopes, (block[0], block[1], block[2]), block[3], block[4]) for block in blocks])
         if slopes.is_gaussian:
             spread2 = 0.25 * spread**2
             peak = 2.0 * math.pi * np.sqrt((slopes.mss_up + spread2) * (slopes.mss_cross + spread2))
@@ -154,13 +155,16 @@ class WaveGlint:
             seen = projected_area(np.asarray(view_zenith, np.float64), 0.5 * slopes.mss)
         return np.asarray(np.exp(logs.reshape(steepness.shape)) * seen / width**2)
 
-    def _area(self, slopes: SlopeStatistics, sizes: tuple[FloatArray, ...], steepness: FloatArray) -> FloatArray:
-        """Logarithm of ``K`` [m2] at widths, ratios of length to width and discs, linear between nodes of their logarithms [(n,) each]."""
+    def _area(self, slopes: SlopeStatistics, sizes: tuple[FloatArray, ...], steepness: FloatArray, along: FloatArray) -> FloatArray:
+        """Logarithm of ``K`` [m2] at widths, ratios of length to width and discs, linear between nodes of their logarithms [(n,) each].
+
+        ``along``: squared cosine of the angle between the line of sight and the wind [1].
+        """
         nodes = np.stack([per * np.log10(size) for per, size in zip(_PER_DECADE, sizes, strict=True)])
         lower = np.floor(nodes)
         squared = np.clip(steepness, 0.0, STEEPEST) ** 2
         u = np.clip(np.searchsorted(_STEEPNESS**2, squared, side="right") - 1, 0, _STEEPNESS.size - 2)
-        along = (squared - _STEEPNESS[u] ** 2) / (_STEEPNESS[u + 1] ** 2 - _STEEPNESS[u] ** 2)
+        part = (squared - _STEEPNESS[u] ** 2) / (_STEEPNESS[u + 1] ** 2 - _STEEPNESS[u] ** 2)
         total = np.zeros(steepness.shape)
         for corner in np.ndindex(2, 2, 2):
             step = np.array(corner, np.float64)[:, None]
@@ -168,7 +172,8 @@ class WaveGlint:
             places, inverse = np.unique((lower + step).T.astype(np.int64), axis=0, return_inverse=True)
             table = np.array([_node(self, slopes, *(int(n) for n in place)) for place in places])[inverse.ravel()]
             rows = np.arange(steepness.size)
-            total += weight * (table[rows, u] + along * (table[rows, u + 1] - table[rows, u]))
+            ways = [table[rows, way, u] + part * (table[rows, way, u + 1] - table[rows, way, u]) for way in range(2)]
+            total += weight * (along * ways[0] + (1.0 - along) * ways[1])
         return total
 
 
@@ -206,14 +211,17 @@ def variance_by_wind(
     return np.exp(total)
 
 
-def _inverse_variance(
+def _directions(
     slopes: SlopeStatistics, cosine: FloatArray, view_up: FloatArray, sun_up: ArrayLike, solar_azimuth: ArrayLike | None
-) -> FloatArray:
-    """Squared steepness of the mirroring slope over its square [1], from the direction that the angle of incidence implies."""
+) -> tuple[FloatArray, FloatArray]:
+    """Squared steepness of the mirroring slope over its square [1], and squared cosine between line of sight and wind [1].
+
+    The angle of incidence implies the directions up to the side of the Sun; both are means over the two sides.
+    """
     least = max(slopes.mss, 1e-300) * 1e-6
     up, cross = max(slopes.mss_up, least), max(slopes.mss_cross, least)
     if solar_azimuth is None:
-        return np.asarray(2.0 / (up + cross))
+        return np.asarray(2.0 / (up + cross)), np.asarray(0.5)
     sun = np.asarray(sun_up, np.float64)
     level = np.sqrt(np.maximum((1.0 - view_up**2) * (1.0 - sun**2), 1e-12))
     aside = np.clip((2.0 * cosine**2 - 1.0 - view_up * sun) / level, -1.0, 1.0)
@@ -221,8 +229,10 @@ def _inverse_variance(
     along = np.sqrt(np.maximum(1.0 - view_up**2, 0.0)) * aside + np.sqrt(np.maximum(1.0 - sun**2, 0.0))
     across = np.sqrt(np.maximum((1.0 - view_up**2) * (1.0 - aside**2), 0.0))
     size = np.maximum(along**2 + across**2, 1e-12)
-    double = (along**2 - across**2) / size * np.cos(2.0 * (np.asarray(solar_azimuth, np.float64) - slopes.wind_to_azimuth))
-    return np.asarray(0.5 * ((1.0 + double) / up + (1.0 - double) / cross))
+    from_wind = np.cos(2.0 * (np.asarray(solar_azimuth, np.float64) - slopes.wind_to_azimuth))
+    double = (along**2 - across**2) / size * from_wind
+    sight = 0.5 * (1.0 + (2.0 * aside**2 - 1.0) * from_wind)
+    return np.asarray(0.5 * ((1.0 + double) / up + (1.0 - double) / cross)), np.asarray(sight)
 
 
 @lru_cache(maxsize=64)
@@ -232,8 +242,11 @@ def _clusters(glint: WaveGlint, slopes: SlopeStatistics, cut: float) -> Clusters
 
 @lru_cache(maxsize=4096)
 def _node(glint: WaveGlint, slopes: SlopeStatistics, width: int, ratio: int, disc: int) -> FloatArray:
-    """Logarithms of ``K`` [m2] at the steepness of ``_STEEPNESS``, for numbers of the nodes of a pixel's width, shape and disc."""
+    """Logarithms of ``K`` [m2] at the steepness of ``_STEEPNESS``, for numbers of the nodes of a pixel's width, shape and disc.
+
+    Rows: pixels whose length lies along the wind, and across it.
+    """
     size, shape, radius = (10.0 ** (number / per) for number, per in zip((width, ratio, disc), _PER_DECADE, strict=True))
     clusters = _clusters(glint, slopes, 2.0 * math.pi / max(min(glint.shortest_wave, _LONGEST), COLUMNS * size))
     ways = [[clusters.variance(float(u), radius, (shape * size, size), turn) for u in _STEEPNESS] for turn in (0.0, 0.5 * math.pi)]
-    return np.asarray(np.log(np.maximum(np.mean(ways, axis=0) * shape * size**2, 1e-30)))
+    return np.asarray(np.log(np.maximum(np.array(ways) * shape * size**2, 1e-30)))
