@@ -220,7 +220,8 @@ def _directions(
     """
     least = max(slopes.mss, 1e-300) * 1e-6
     up, cross = max(slopes.mss_up, least), max(slopes.mss_cross, least)
-    if solar_azimuth is None:
+    # a slope law without directions leaves none to a pixel either
+    if solar_azimuth is None or slopes.is_isotropic:
         return np.asarray(2.0 / (up + cross)), np.asarray(0.5)
     sun = np.asarray(sun_up, np.float64)
     level = np.sqrt(np.maximum((1.0 - view_up**2) * (1.0 - sun**2), 1e-12))
