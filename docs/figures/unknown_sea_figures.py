@@ -28,7 +28,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 from seaglint.sea.spectra.campaign_draws import LONGEST, ShortWaveLevels, drawn_sea, short_wave_bounds
-from seaglint.sea.spectra.campaigns import CAMPAIGNS, campaign_spectrum, campaign_winds
+from seaglint.sea.spectra.campaigns import CAMPAIGNS, campaign_spectrum, campaign_table, campaign_winds
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.mean.mean_map import mean
@@ -56,7 +56,7 @@ def unknown_sea() -> Figure:
         nodes = bounds.wavenumber[inside]
         axes.fill_between(nodes, bounds.least[inside], bounds.largest[inside], color="0.85", label="band of drawn seas")
         for name in CAMPAIGNS:
-            table = campaign_spectrum(name, wind, longer="cut")
+            table = campaign_table(name).at(wind, longer="cut")
             values = k**3 * table.omnidirectional(k)
             axes.loglog(k, np.where(values > 0.0, values, np.nan), color=COLOURS[name], label=name)
         axes.loglog(k, k**3 * ElfouhailySpectrum(wind).omnidirectional(k), color=COLOURS["elfouhaily"], label="Elfouhaily 1997")

@@ -197,6 +197,20 @@ def average(
 
 
 @kernel
+def standing(sparkle: Sparkle, lattice: int, place: tuple[float, float], sides: tuple[float, float], shape: float, time: float) -> float:
+    """Return the mean of ``COMPONENTS`` gamma deviates of a pixel of many cells, on lattices of cells of about its size.
+
+    ``place``, ``sides``: middle of the pixel and sides of the cells, along and across the line of sight [m].
+    """
+    total = 0.0
+    for part in range(COMPONENTS):
+        shift = part / COMPONENTS
+        i, j = math.floor(place[0] / sides[0] + shift), math.floor(place[1] / sides[1] + shift)
+        total += cell_light(sparkle, i, j, lattice + part, shape / COMPONENTS, time)
+    return total / COMPONENTS
+
+
+@kernel
 def box(middle: float, length: float, side: float) -> tuple[float, float, float]:
     """Return the ends of a box and the side of the cells under it."""
     return middle - 0.5 * length, middle + 0.5 * length, side
@@ -271,12 +285,7 @@ def sparkle_factor(
         along = box(x, 0.0, side_along)
         if not many_across:
             return average(sparkle, lattice, along, across, shape, time)
-        total = 0.0
-        for part in range(COMPONENTS):
-            shift = part / COMPONENTS
-            i, j = math.floor(x / side_along + shift), math.floor(y / side_across + shift)
-            total += cell_light(sparkle, i, j, lattice + part, shape / COMPONENTS, time)
-        return total / COMPONENTS
+        return standing(sparkle, lattice, (x, y), (side_along, side_across), shape, time)
     # two lattices share the shape so that it is the cell's in a point and the integral over the cell is its area
     near = min(max(2.0 - stretch / power, 1e-6), 1.0)
     total = near * average(sparkle, lattice, box(x, length, side_along), across, near * shape, time)
@@ -366,7 +375,7 @@ def facet_spread(
     """Return the variance ``piece_variance`` of a facet [W2 m-4 sr-2]; 0 without sparkles.
 
     ``light``: its sunlight, and ``sun_factor`` times the share of the Sun above the waves [1/sr]; multiplied by the solid angle of the Sun
-    this is P. ``grazing``: sine and cosine of the grazing angle; ``slopes`` and ``where`` as of ``clustered_spread``. From the waves the
+    this is P. ``grazing``: sine and cosine of the grazing angle; ``slopes`` and ``arc`` as of ``clustered_spread``. From the waves the
     variance is the lit share's of the pixel, whose area on the sea is ``across`` over ``A+ = q/(4 cos^4(beta) factor)``, the sine of the
     angle at which the facet is seen.
     """
@@ -386,23 +395,6 @@ def facet_spread(
     cosine_tilt = up * up / max(2.0 * twice, 1e-12)
     seen = density / (4.0 * cosine_tilt * cosine_tilt * factor)
     return solar * solar * correlated * seen / across
-
-
-@kernel
-def standing(sparkle: Sparkle, place: tuple[float, float], sides: tuple[int, int], sector: int, shape: float, clock: float) -> float:
-    """Return the mean of ``COMPONENTS`` gamma deviates of one pixel of many cells, for pixels of sides of powers of two.
-
-    ``sides``: their exponents along and across; ``clock``: time over the correlation time.
-    """
-    lattice = ((sector * 256 + sides[0] + 128) * 256 + sides[1] + 128) * 4
-    along, across = 2.0 ** sides[0], 2.0 ** sides[1]
-    total = 0.0
-    for part in range(COMPONENTS):
-        shift = part / COMPONENTS
-        i, j = math.floor(place[0] / along + shift), math.floor(place[1] / across + shift)
-        key = cell_key((sparkle.seed_low, sparkle.seed_high), i, j, lattice + part)
-        total += gamma_deviate(shape / COMPONENTS, (key[1], key[0]), last_event(key, clock))
-    return total / COMPONENTS
 
 
 @kernel
@@ -456,8 +448,11 @@ def clustered_factor(
     own = (1.0 + variance) / second - 1.0
     if own <= 1e-9:
         return factor
-    sides = (power_below(FILLED * length)[0], power_below(FILLED * width)[0])
-    return factor * standing(sparkle, (x, y), sides, along_sight.sector, 1.0 / own, time / table.times[level, last])
+    doublings_along, side_along = power_below(FILLED * length)
+    doublings_across, side_across = power_below(FILLED * width)
+    clock = Sparkle(sparkle.seed_low, sparkle.seed_high, 1.0, table.times[level, last])
+    lattice = ((along_sight.sector * 256 + doublings_along + 128) * 256 + doublings_across + 128) * 4
+    return factor * standing(clock, lattice, (x, y), (side_along, side_across), 1.0 / own, time)
 
 
 @kernel

@@ -27,7 +27,7 @@ from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.scene import Levels
 from seaglint.imaging.sparkle import STEEPNESS_STEP, ClusterTable, sparkle_rows
 from seaglint.radiance.lit_variance import WaveGlint
-from seaglint.sea.glitter.lit_share import Clusters
+from seaglint.sea.glitter.lit_share import Clusters, disc_in_slopes
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 STEPS: Final = 13  #: Number of steps of the facets' steepness: up to 6 deviations.
@@ -94,7 +94,7 @@ def _stretches(glint: WaveGlint, slopes: SlopeStatistics, levels: Levels) -> lis
 @lru_cache(maxsize=64)
 def _clusters(glint: WaveGlint, slopes: SlopeStatistics, facets: SlopeStatistics, cut: float) -> Clusters:
     """Short waves beyond a wavenumber [rad/m] with the variances of facets; longer waves are geometry."""
-    waves = glint.short_waves(slopes, cut if cut > 0.0 else float(slopes.growth()[0, 0]))
+    waves = glint.short_waves(slopes, cut)
     axis = waves.to_azimuth
     return Clusters(waves.scaled(float(facets.mss_along(axis)), float(facets.mss_along(axis + 0.5 * math.pi))))
 
@@ -112,7 +112,7 @@ def _disc(view: SeaView, camera: Camera, arc: float) -> float:
     half_vector = sight + sun
     cosine = max(0.5 * float(np.linalg.norm(half_vector)), 1e-3)
     tilt = max(float(half_vector[2]) / (2.0 * cosine), 0.05)
-    return view.disc.lit_radius / (2.0 * math.sqrt(tilt**3 * cosine))
+    return float(disc_in_slopes(view.disc.lit_radius, tilt, cosine))
 
 
 @lru_cache(maxsize=64)

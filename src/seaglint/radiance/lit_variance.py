@@ -18,19 +18,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
-from seaglint.sea.glitter.lit_share import Clusters
+from seaglint.sea.glitter.lit_share import Clusters, disc_in_slopes
 from seaglint.sea.glitter.short_waves import ShortWaves
 from seaglint.sea.shadowing.smith import projected_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
-from seaglint.sea.tiles import resolve_limit
+from seaglint.sea.tiles import RESOLVED_SHARE, resolve_limit
 
 STEEPEST: Final = 7.0  #: Steepness of the mirroring slope up to which variances are computed [1]; beyond, glint is 1e-10 of its peak.
 
 #: Steepness at which variances are computed; their logarithm is nearly linear in its square.
 _STEEPNESS: Final = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.5, STEEPEST])
-
-RESOLVED_SHARE: Final = 0.8  #: Largest share of either direction's slope variance in waves that are geometry, as in images [1].
 
 COLUMNS: Final = 2.0  #: Least length of geometry's waves in widths of a pixel, as in images.
 
@@ -52,15 +50,8 @@ class WaveGlint:
     spectrum: DirectionalSpectrum | None  #: All waves; None for slopes without a spectrum.
     shortest_wave: float  #: Length of the shortest wave that is geometry [m]; infinite where none is.
 
-    def short_waves(self, slopes: SlopeStatistics, cut: float, variances: tuple[float, float] | None = None) -> ShortWaves:
-        """Return the waves beyond a wavenumber [rad m⁻¹], scaled to variances of the slopes along and across their axis [1].
-
-        Without ``variances`` the waves of a spectrum keep their own, and of slopes without a spectrum the slopes'.
-        """
-        waves = self._beyond(slopes, cut)
-        return waves if variances is None else waves.scaled(*variances)
-
-    def _beyond(self, slopes: SlopeStatistics, cut: float) -> ShortWaves:
+    def short_waves(self, slopes: SlopeStatistics, cut: float) -> ShortWaves:
+        """Return the waves beyond a wavenumber [rad m⁻¹]: of the spectrum, or of the slope law where the spectrum has none there."""
         spectrum = self.spectrum
         if spectrum is not None and cut < 0.9 * spectrum.wavenumber_range[1]:
             waves = ShortWaves.of_spectrum(spectrum, cut)
@@ -74,11 +65,10 @@ class WaveGlint:
         Waves up to the wavenumber are geometry as far as the energy rule allows, and have the spectrum's slopes; the short ones have
         what is left of the slope law, as facets of images.
         """
-        low = float(slopes.growth()[0, 0])
         if self.spectrum is None:
-            return Clusters(self.short_waves(slopes, low, (slopes.mss_up, slopes.mss_cross)))
-        end = min(cut, resolve_limit(self.spectrum, slopes, RESOLVED_SHARE))
-        waves = self.short_waves(slopes, max(end, min(low, self.spectrum.wavenumber_range[0])))
+            return Clusters(self.short_waves(slopes, 0.0).scaled(slopes.mss_up, slopes.mss_cross))
+        end = min(cut, resolve_limit(self.spectrum, slopes))
+        waves = self.short_waves(slopes, end)
         longer = ShortWaves.of_spectrum(self.spectrum, 0.0, end).variances if end > 1.01 * self.spectrum.wavenumber_range[0] else (0.0, 0.0)
         axis = waves.to_azimuth
         total = float(slopes.mss_along(axis)), float(slopes.mss_along(axis + 0.5 * math.pi))
@@ -133,9 +123,8 @@ class WaveGlint:
         tilt = np.clip((upward + np.asarray(sun_up, np.float64)) / (2.0 * cosine), 1e-3, 1.0)
         inverse, along = _directions(slopes, cosine, upward, sun_up, solar_azimuth)
         steepness = np.sqrt(np.maximum(1.0 / tilt**2 - 1.0, 0.0) * inverse)
-        # the disc in slopes is larger where the Sun is met at a grazing angle
         disc = np.asarray(radius, np.float64)
-        spread = disc / (2.0 * np.sqrt(tilt**3 * cosine))
+        spread = disc_in_slopes(disc, tilt, cosine)
         width = np.sqrt(np.asarray(solid_angle, np.float64)) * np.asarray(slant_range, np.float64)
         steepness, width, length, spread, along = np.broadcast_arrays(steepness, width, width / upward, spread, along)
         if steepness.size == 0 or slopes.is_flat:

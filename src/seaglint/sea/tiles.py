@@ -35,6 +35,9 @@ SAMPLES_PER_WAVE: Final = 4
 #: Fewest waves of a band's longest kind along a tile; with fewer, directions are coarse and the tile's periodicity shows.
 SHORTEST_SPAN: Final = 6.0
 
+#: Largest share of either direction's slope variance that geometry takes [1] (energy rule); facets have the rest.
+RESOLVED_SHARE: Final = 0.8
+
 TILES: Final = 3  #: Default number of tiles that the waves of a sea are spread over.
 
 #: Share of the height variance in waves longer than the "longest" one, SHORTEST_SPAN of which must fit on the first tile.
@@ -226,7 +229,7 @@ def longest_wave_number(spectrum: DirectionalSpectrum) -> float:
     return float(np.exp(brentq(lambda x: spectrum.height_variance(float(np.exp(x))) - variance, np.log(low), np.log(high), xtol=1e-6)))
 
 
-def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fraction: float = 0.8) -> float:
+def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fraction: float = RESOLVED_SHARE) -> float:
     """Wavenumber at which resolved slopes reach a fraction of the slope model, in the direction where that comes first.
 
     Geometry stops there, so that the facets of the energy rule keep a share of the variance in every direction. For waves that run

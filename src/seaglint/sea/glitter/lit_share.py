@@ -31,7 +31,9 @@ from functools import cached_property, lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
 from seaglint.sea.glitter.short_waves import ShortWaves
 
@@ -55,6 +57,27 @@ _SMALL: Final = 1e-4  #: Share of the covariance with which the linear part is t
 Covariance = tuple[float, float, float]  #: Along, mixed and across [1].
 
 RIGID: Final = (0.0, 0.0, 0.0)  #: No longer waves.
+
+
+def disc_in_slopes(radius: ArrayLike, tilt: ArrayLike, cos_incidence: ArrayLike) -> FloatArray:
+    """Radius of the disc of equal area to which a disc in the sky is mapped in slopes, ``eps/(2 sqrt(cos^3(beta) cos(omega)))`` [1].
+
+    Parameters
+    ----------
+    radius : array_like
+        Angular radius in the sky, eps [rad].
+    tilt : array_like
+        Cosine of the tilt of the mirroring facet, cos(beta) [1].
+    cos_incidence : array_like
+        Cosine of the angle of incidence, cos(omega) [1]: the disc is larger where it is met at a grazing angle.
+    """
+    cosine = np.asarray(tilt, np.float64)
+    return np.asarray(np.asarray(radius, np.float64) / (2.0 * np.sqrt(cosine**3 * np.asarray(cos_incidence, np.float64))))
+
+
+def _half_circle(count: int) -> FloatArray:
+    """Middles of equal sectors of half a circle [rad]."""
+    return np.pi * (np.arange(count) + 0.5) / count
 
 
 def _normal(slope: tuple[float, float], along: FloatArray, mixed: FloatArray, across: FloatArray) -> FloatArray:
@@ -137,7 +160,7 @@ class Clusters:
     @cached_property
     def turns(self) -> FloatArray:
         """Directions of the lags from the axis of the waves, over half a circle [rad]."""
-        return np.pi * (np.arange(TURNS) + 0.5) / TURNS
+        return _half_circle(TURNS)
 
     @cached_property
     def _still(self) -> FloatArray:
@@ -151,7 +174,7 @@ class Clusters:
     @cached_property
     def times(self) -> FloatArray:
         """Times at which the correlation of boxes is taken [s]."""
-        return _TIMES / float(np.sqrt(9.81 * self.waves.wavenumber[0]))
+        return _TIMES / float(np.sqrt(GRAVITY * self.waves.wavenumber[0]))
 
     @cached_property
     def _moving(self) -> FloatArray:
@@ -159,7 +182,7 @@ class Clusters:
 
     @cached_property
     def _moving_turns(self) -> FloatArray:
-        return np.pi * (np.arange(TURNS // 2) + 0.5) / (TURNS // 2)
+        return _half_circle(TURNS // 2)
 
     def lit(self, steepness: float, turn: float, radius: float) -> LitShare:
         """Return the lit share at a mirroring slope of a steepness, in deviations of all slopes, in a direction from the axis [rad]."""
@@ -233,7 +256,7 @@ def _moving_pairs(clusters: Clusters, steepness: float, radius: float) -> _Pairs
 def _weights(lags: tuple[float, float, int], turns: int, box: tuple[float, float], turn: float) -> FloatArray:
     """Weights of lags in a box, times the lag squared, means over the sector of each direction [m2, (turns, lags)]."""
     # a long pixel is a thin sector of its lags: the weight is averaged finely, pairs change slowly with direction
-    angle = np.pi * (np.arange(turns * SECTORS) + 0.5) / (turns * SECTORS) - turn
+    angle = _half_circle(turns * SECTORS) - turn
     lag = np.geomspace(*lags)
     weight = np.clip(1.0 - np.abs(np.cos(angle))[:, None] * lag / box[0], 0.0, None)
     weight *= np.clip(1.0 - np.abs(np.sin(angle))[:, None] * lag / box[1], 0.0, None)

@@ -34,7 +34,7 @@ from seaglint.base.random import stream
 from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.spectra.campaigns import CAMPAIGNS, Campaign, campaign_spectrum, campaign_winds
 from seaglint.sea.spectra.combined import CombinedSpectrum
-from seaglint.sea.spectra.directional import DirectionalSpectrum
+from seaglint.sea.spectra.directional import DirectionalSpectrum, require_wavenumbers
 from seaglint.sea.spectra.elfouhaily import VALID_WIND, ElfouhailySpectrum
 from seaglint.sea.spectra.saturation_table import elfouhaily_or_calm
 
@@ -332,13 +332,7 @@ class DrawnSea(CombinedSpectrum):
         return np.stack([both, both * self.second_harmonic(k), both * self.cross_harmonic(k)])
 
     def _between(self, k_min: float, k_max: float) -> list[float]:
-        if not (k_min >= 0.0 and k_max >= 0.0):
-            raise DomainError(
-                f"wavenumbers {k_min:g}-{k_max:g} rad/m must not be negative or NaN",
-                name="wavenumber",
-                value=(k_min, k_max),
-                allowed="0 rad/m or more",
-            )
+        require_wavenumbers(k_min, k_max)
         first, last = np.clip([k_min, k_max], *self.wavenumber_range)
         if last <= first:
             return [0.0, 0.0, 0.0]

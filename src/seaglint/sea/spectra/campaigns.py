@@ -25,7 +25,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.sea.spectra.directional import DirectionalSpectrum
-from seaglint.sea.spectra.saturation_table import Continued, SaturationRow, SaturationTable
+from seaglint.sea.spectra.saturation_table import SaturationRow, SaturationTable
 
 Campaign = Literal["asit-2019", "radyo-2008"]
 
@@ -83,17 +83,8 @@ def campaign_winds(name: Campaign) -> FloatArray:
     return campaign_table(name).winds
 
 
-def campaign_spectrum(
-    name: Campaign,
-    wind: float,
-    wind_to_azimuth: float = 0.0,
-    *,
-    to_azimuth: float | None = None,
-    width: float | None = None,
-    longer: Continued = "elfouhaily",
-    shorter: Continued = "cut",
-) -> DirectionalSpectrum:
-    """Spectrum of a campaign's sea at a wind; arguments as of ``SaturationTable.at``.
+def campaign_spectrum(name: Campaign, wind: float, wind_to_azimuth: float = 0.0) -> DirectionalSpectrum:
+    """Spectrum of a campaign's sea at a wind [m s⁻¹] that blows TO an azimuth [rad]; its table's ``at`` has more choices.
 
     Raises
     ------
@@ -105,4 +96,4 @@ def campaign_spectrum(
     >>> [round(sum(campaign_spectrum(name, 7.0).mss(1000.0, 300.0)), 4) for name in CAMPAIGNS]
     [0.001, 0.0135]
     """
-    return campaign_table(name).at(wind, wind_to_azimuth, to_azimuth=to_azimuth, width=width, longer=longer, shorter=shorter)
+    return campaign_table(name).at(wind, wind_to_azimuth)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.sea.dispersion import group_velocity
+from seaglint.sea.slopes.slope_statistics import LIGHTEST
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 
 
@@ -73,6 +74,24 @@ class CalmSpectrum(DirectionalSpectrum):
     def breakpoints(self) -> FloatArray:
         """Wavenumbers where the spectrum is not smooth [rad m⁻¹]."""
         return self.lightest.breakpoints()
+
+
+def wind_sea(model: Callable[[float], DirectionalSpectrum], wind: float) -> DirectionalSpectrum:
+    """Sea of a model of the wind sea at a wind above 0 m/s; below the model's lightest wind, that sea with less energy.
+
+    Parameters
+    ----------
+    model : callable
+        Spectrum of a wind of at least ``LIGHTEST``.
+    wind : float
+        Wind speed [m s⁻¹].
+
+    Returns
+    -------
+    DirectionalSpectrum
+        Energy falls in proportion to the wind, so that the sea becomes flat at 0 m/s.
+    """
+    return model(wind) if wind >= LIGHTEST else CalmSpectrum(model(LIGHTEST), wind / LIGHTEST)
 
 
 @dataclass(frozen=True)

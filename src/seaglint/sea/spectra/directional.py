@@ -87,13 +87,7 @@ class DirectionalSpectrum(ABC):
 
     def integrate(self, function: Callable[[FloatArray], FloatArray], k_min: float = 0.0, k_max: float = np.inf) -> float:
         """Integral of ``function(k)`` over the part of [k_min, k_max] that has energy, by Gauss-Legendre panels in log k."""
-        if not (k_min >= 0.0 and k_max >= 0.0):
-            raise DomainError(
-                f"wavenumbers {k_min:g}-{k_max:g} rad/m must not be negative or NaN",
-                name="wavenumber",
-                value=(k_min, k_max),
-                allowed="0 rad/m or more",
-            )
+        require_wavenumbers(k_min, k_max)
         low, high = max(k_min, self.wavenumber_range[0]), min(k_max, self.wavenumber_range[1])
         if low >= high:
             return 0.0
@@ -129,6 +123,17 @@ class DirectionalSpectrum(ABC):
     def slope_covariance(self, k_max: float = np.inf, k_min: float = 0.0) -> float:
         """Covariance of the slopes along the wind and to the right of it, of waves with k_min <= k < k_max, ``int k^2 S b2/2 dk`` [1]."""
         return 0.5 * self.integrate(lambda k: np.asarray(k * k * self.omnidirectional(k) * self.cross_harmonic(k)), k_min, k_max)
+
+
+def require_wavenumbers(k_min: float, k_max: float) -> None:
+    """Refuse ends of a range of wavenumbers [rad/m] that are negative or NaN."""
+    if not (k_min >= 0.0 and k_max >= 0.0):
+        raise DomainError(
+            f"wavenumbers {k_min:g}-{k_max:g} rad/m must not be negative or NaN",
+            name="wavenumber",
+            value=(k_min, k_max),
+            allowed="0 rad/m or more",
+        )
 
 
 def downwind(angle: ArrayLike) -> FloatArray:

@@ -13,7 +13,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
-from seaglint.sea.spectra.combined import CalmSpectrum, CombinedSpectrum
+from seaglint.sea.spectra.combined import CalmSpectrum, CombinedSpectrum, wind_sea
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import VALID_WIND, ElfouhailySpectrum
 from seaglint.sea.spectra.saturation import FEWEST, SaturationSpectrum, width_of_half
@@ -204,9 +204,4 @@ def mixed(parts: tuple[tuple[float, SaturationSpectrum], ...]) -> DirectionalSpe
 
 def elfouhaily_or_calm(wind: float, to_azimuth: float) -> DirectionalSpectrum | None:
     """Elfouhaily's sea of a wind [m s⁻¹]; below its lightest wind with less energy, None without wind."""
-    if wind == 0.0:
-        return None
-    lightest = VALID_WIND[0]
-    if wind < lightest:
-        return CalmSpectrum(ElfouhailySpectrum(lightest, to_azimuth), wind / lightest)
-    return ElfouhailySpectrum(wind, to_azimuth)
+    return None if wind == 0.0 else wind_sea(lambda speed: ElfouhailySpectrum(speed, to_azimuth), wind)

@@ -55,7 +55,7 @@ from seaglint.sea.foam.foam_field import FoamField
 from seaglint.sea.second_order import bound_limit, bound_skewness
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
-from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
+from seaglint.sea.tiles import RESOLVED_SHARE, longest_wave_number, plan_tiles, resolve_limit
 from seaglint.sea.wave_field import WaveField
 from seaglint.studies.build.measured_waves import Waves
 from seaglint.studies.build.profile_air import ComputedAir, profile_atmosphere, program_sounding
@@ -88,8 +88,6 @@ def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: 
         )
     return floating
 
-
-RESOLVED_SHARE = 0.8  #: Largest share of either direction's slope variance that geometry takes (energy rule); facets have the rest.
 
 ANGLES = ("azimuth", "elevation", "roll")  #: Angles of the sensor, by the names of its keys without their unit.
 
@@ -476,7 +474,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
         )
     requested = 2.0 * np.pi / scenario.sea.shortest_wave_m
     # The shortest geometric wave: as requested, as the energy rule allows, and as the spectrum has.
-    cut = min(requested, resolve_limit(spectral, statistics, RESOLVED_SHARE), spectral.wavenumber_range[1])
+    cut = min(requested, resolve_limit(spectral, statistics), spectral.wavenumber_range[1])
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
         return PreparedSea(None, {"waves": reason, **none}, reason)

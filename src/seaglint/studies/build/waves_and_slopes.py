@@ -7,7 +7,6 @@ those of a sea between two measured campaigns and a model (:mod:`seaglint.sea.sp
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import Final, assert_never
@@ -23,9 +22,9 @@ from seaglint.scenario.records.sea_tables import FlatSea
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
-from seaglint.sea.slopes.slope_statistics import LIGHTEST, SlopeStatistics, at_least_residual, flat
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics, at_least_residual, flat
 from seaglint.sea.spectra.campaign_draws import SHORTEST, ShortWaveLevels, drawn_levels, drawn_sea
-from seaglint.sea.spectra.combined import CalmSpectrum, CombinedSpectrum
+from seaglint.sea.spectra.combined import CombinedSpectrum, wind_sea
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
@@ -148,20 +147,14 @@ def _system(scenario: Scenario, system: requested_sea.System, key: str) -> Waves
         case requested_sea.Elfouhaily():
             return Waves(elfouhaily(speed, to))
         case requested_sea.PiersonMoskowitz():
-            return Waves(_wind_sea(lambda wind: PiersonMoskowitzSpectrum.of_u10(wind, to), speed))
+            return Waves(wind_sea(lambda wind: PiersonMoskowitzSpectrum.of_u10(wind, to), speed))
         case other:
             assert_never(other)
 
 
 def elfouhaily(speed: float, to: float) -> DirectionalSpectrum:
     """Return Elfouhaily's wind sea of a wind above 0 m/s at 10 m that blows TO an azimuth [rad]."""
-    return _wind_sea(lambda wind: ElfouhailySpectrum(wind, to), speed)
-
-
-def _wind_sea(model: Callable[[float], DirectionalSpectrum], speed: float) -> DirectionalSpectrum:
-    """Return the sea of a model at a wind [m/s]; for winds below its range, the sea of its lightest wind with less energy."""
-    # The energy is reduced in proportion to the wind, so that the sea becomes flat at 0 m/s.
-    return model(speed) if speed >= LIGHTEST else CalmSpectrum(model(LIGHTEST), speed / LIGHTEST)
+    return wind_sea(lambda wind: ElfouhailySpectrum(wind, to), speed)
 
 
 def _jonswap(system: requested_sea.Jonswap, wind_to: float, key: str) -> JonswapSpectrum:
