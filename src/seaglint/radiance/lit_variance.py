@@ -144,6 +144,18 @@ class WaveGlint:
             seen = projected_area(np.asarray(view_zenith, np.float64), 0.5 * slopes.mss)
         return np.asarray(np.exp(logs.reshape(steepness.shape)) * seen / width**2)
 
+    def correlation_time(self, slopes: SlopeStatistics, radius: float, width: float, length: float) -> float:
+        """Time after which the light of a pixel of a width and length on the sea [m] keeps 1/e of its correlation [s].
+
+        For facets a deviation away from the mirroring slope, a disc of a ``radius`` [rad] near the nadir, and a pixel along the wind; these
+        change the time by less than the size of the pixel does.
+        """
+        return _clusters(self, slopes, self._cut(width)).correlation_time(1.0, 0.5 * radius, (length, width))
+
+    def _cut(self, width: float) -> float:
+        """Wavenumber up to which waves are geometry for pixels of a width [m] [rad m⁻¹]."""
+        return 2.0 * math.pi / max(min(self.shortest_wave, _LONGEST), COLUMNS * width)
+
     def _area(self, slopes: SlopeStatistics, sizes: tuple[FloatArray, ...], steepness: FloatArray, along: FloatArray) -> FloatArray:
         """Logarithm of ``K`` [m2] at widths, ratios of length to width and discs, linear between nodes of their logarithms [(n,) each].
 
@@ -237,6 +249,6 @@ def _node(glint: WaveGlint, slopes: SlopeStatistics, width: int, ratio: int, dis
     Rows: pixels whose length lies along the wind, and across it.
     """
     size, shape, radius = (10.0 ** (number / per) for number, per in zip((width, ratio, disc), _PER_DECADE, strict=True))
-    clusters = _clusters(glint, slopes, 2.0 * math.pi / max(min(glint.shortest_wave, _LONGEST), COLUMNS * size))
+    clusters = _clusters(glint, slopes, glint._cut(size))
     ways = [[clusters.variance(float(u), radius, (shape * size, size), turn) for u in _STEEPNESS] for turn in (0.0, 0.5 * math.pi)]
     return np.asarray(np.log(np.maximum(np.array(ways) * shape * size**2, 1e-30)))

@@ -10,11 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.air.protocol import slant_range
+from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject
 from seaglint.climate import draws as by
@@ -26,6 +29,7 @@ from seaglint.climate.importance import DensityTree, Warped
 from seaglint.climate.likelihood_summary import DrawnWeather, ExceededContrast, LightUp, LikelihoodSummary, StratumChance, ThresholdChance
 from seaglint.climate.mirrored_moonlight import Moons, brighter, moonlit_looks
 from seaglint.climate.weather_table import WeatherTable
+from seaglint.facet.sea_view import sea_arc
 from seaglint.radiance.lit_variance import WaveGlint
 from seaglint.scenario.model import Scenario
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
@@ -182,7 +186,7 @@ class GlintLikelihood:
         """Independent looks of all pixels in an hour [1]: frames, but no more than one in a correlation time of glint."""
         sensor = self.model.scenario.sensor
         # Frames within a correlation time see the same glint.
-        rate = min(sensor.frame_rate_hz, 1.0 / self.model.scenario.sea.glint.correlation_time_s)
+        rate = min(sensor.frame_rate_hz, 1.0 / pixel_time(self.model, self.draws))
         return 3600.0 * rate * sensor.pixels[0] * sensor.pixels[1]
 
 
@@ -618,16 +622,31 @@ def pixel_deviation(model: LikelihoodModel, drawn: Draws) -> FloatArray:
     if scenario.sea.glint.correlation == "time":
         return deviation(drawn.sight, drawn.height, solid_angle, scenario_physics.glint_length(scenario))
 
-    def at(wind: float) -> tuple[WaveGlint, SlopeStatistics]:
-        # stronger winds of the weather count as the strongest of the law, as in the means
-        speed = min(wind, float(model.winds[-1]))
-        # waves that travel to the north: azimuths of looks are counted from there
-        windy = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": speed, "from_deg": 180.0})})
-        glint = scenario_physics.glint_correlation(windy)
-        assert isinstance(glint, WaveGlint)
-        return glint, slopes(windy)
+    return wave_deviation(drawn.sight, drawn.height, solid_angle, drawn.wind, partial(_waves_at, model))
 
-    return wave_deviation(drawn.sight, drawn.height, solid_angle, drawn.wind, at)
+
+def pixel_time(model: LikelihoodModel, drawn: Draws) -> float:
+    """Return the correlation time of glint in one of the scenario's pixels [s]: of the middle of the looks with glint, from the waves."""
+    scenario = model.scenario
+    lit = drawn.radiance > 0.0
+    if scenario.sea.glint.correlation == "time" or not lit.any():
+        return scenario.sea.glint.correlation_time_s
+    glint, law = _waves_at(model, float(np.median(drawn.wind[lit])))
+    gamma = np.maximum(drawn.sight.elevation[lit], 0.0)
+    slant, sine = float(np.median(slant_range(drawn.height[lit], sea_arc(drawn.height[lit], gamma)))), float(np.median(np.sin(gamma)))
+    across, down = (math.radians(angle) * slant for angle in scenario.sensor.ifov_deg)
+    return glint.correlation_time(law, SOLAR_ANGULAR_RADIUS, across, down / max(sine, down / slant))
+
+
+def _waves_at(model: LikelihoodModel, wind: float) -> tuple[WaveGlint, SlopeStatistics]:
+    """Return the waves and slopes of a wind [m/s] that blows to the north: azimuths of looks are counted from there."""
+    scenario = model.scenario
+    # stronger winds of the weather count as the strongest of the law, as in the means
+    speed = min(wind, float(model.winds[-1]))
+    windy = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": speed, "from_deg": 180.0})})
+    glint = scenario_physics.glint_correlation(windy)
+    assert isinstance(glint, WaveGlint)
+    return glint, slopes(windy)
 
 
 def _solar_hour(where: Conditions) -> FloatArray:
