@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from seaglint.sea.dispersion import angular_frequency
-from seaglint.sea.glitter.lit_share import Clusters, LitShare
+from seaglint.sea.glitter.lit_share import Clusters, LitShare, disc_in_slopes
 from seaglint.sea.glitter.short_waves import ShortWaves
 from seaglint.sea.glitter.specular_points import curvature_moments, mean_determinant, specular_points
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
@@ -109,6 +109,24 @@ def test_limits_of_pairs(radius: float, slope: tuple[float, float], longer: tupl
         assert lit.unrelated == pytest.approx(1.0, rel=1e-9)
     else:
         assert lit.unrelated > 1.0
+
+
+@pytest.mark.parametrize(("view", "sun", "azimuth"), [(0.0, 0.0, 0.0), (0.3, 0.9, 2.0), (1.4, 1.2, 2.8), (1.5, 1.3, 3.14)])
+def test_disc_in_slopes_has_the_area_of_its_image(view: float, sun: float, azimuth: float) -> None:
+    """Slopes that mirror the rim of a disc in the sky: the area of their polygon."""
+    radius, turn = 4.65e-3, np.linspace(0.0, 2.0 * np.pi, 721)
+    sight = np.array([np.sin(view), 0.0, np.cos(view)])
+    middle = np.array([np.sin(sun) * np.cos(azimuth), np.sin(sun) * np.sin(azimuth), np.cos(sun)])
+    aside = np.cross(middle, [0.3, 0.5, -0.8])
+    aside /= np.linalg.norm(aside)
+    rim = middle * np.cos(radius) + np.sin(radius) * (np.cos(turn)[:, None] * aside + np.sin(turn)[:, None] * np.cross(middle, aside))
+    normal = rim + sight
+    x, y = -normal[:, 0] / normal[:, 2], -normal[:, 1] / normal[:, 2]
+    area = 0.5 * abs(float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])))
+    half = middle + sight
+    cosine = 0.5 * float(np.linalg.norm(half))
+    # 1e-4 by the finite disc, some per cent where the mirror is tilted by a small vertical component
+    assert math.pi * float(disc_in_slopes(radius, half[2] / (2.0 * cosine), cosine)) ** 2 == pytest.approx(area, rel=0.02)
 
 
 def test_chance_is_the_integral_over_the_disc() -> None:
