@@ -10,7 +10,8 @@ import math
 from typing import Final
 
 from seaglint.base.limits import BREON_HENRIOT_WIND
-from seaglint.sea.slopes.slope_statistics import LIGHTEST, SlopeStatistics, joined_in_calm
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics, joined_in_calm
+from seaglint.sea.spectra.combined import LIGHTEST
 from seaglint.sea.wind_profile import require_wind, u10_of_wind
 
 _CROSSING: Final = 0.002 / (0.00316 - 0.00185)  #: Wind at 10 m where the fits along and across the wind cross [m/s]: 1.53.

@@ -10,7 +10,8 @@ from functools import cache
 from typing import Final
 
 from seaglint.base.limits import COX_MUNK_SLICK_WIND, COX_MUNK_WIND
-from seaglint.sea.slopes.slope_statistics import LIGHTEST, SlopeStatistics, joined_in_calm
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics, joined_in_calm
+from seaglint.sea.spectra.combined import LIGHTEST
 from seaglint.sea.wind_profile import require_wind, u10_of_wind, wind_at_height
 
 WIND_HEIGHT: Final = 12.5  #: Height of Cox and Munk's wind measurement [m].

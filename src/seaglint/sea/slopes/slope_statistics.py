@@ -35,9 +35,6 @@ SHORTEST: Final = 2.0 * np.pi / 0.01  #: Wavenumber of the shortest waves that c
 
 RESIDUAL: Final = 0.003  #: Slope variance of a clean sea without wind, in all directions together [1]: Cox and Munk's total at 0 m/s.
 
-#: Lightest wind at 10 m that the models of wind seas allow [m/s]; below it waves lose their direction in proportion to the wind.
-LIGHTEST: Final = 0.5
-
 
 @dataclass(frozen=True)
 class SlopeStatistics:

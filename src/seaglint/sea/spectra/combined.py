@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,8 +12,10 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.sea.dispersion import group_velocity
-from seaglint.sea.slopes.slope_statistics import LIGHTEST
 from seaglint.sea.spectra.directional import DirectionalSpectrum
+
+#: Lightest wind at 10 m that the models of wind seas allow [m/s]; below it waves have less energy and lose their direction.
+LIGHTEST: Final = 0.5
 
 
 @dataclass(frozen=True)
