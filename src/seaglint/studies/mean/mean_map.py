@@ -266,7 +266,7 @@ def _foam(view: SeaView) -> dict[str, float]:
 
 
 def _wave_file(scenario: Scenario) -> dict[str, str | int]:
-    """Return attributes on the file of waves or the measured sea, and its use for slopes; report waves that are not used."""
+    """Return attributes on the file of waves or the measured sea, and whether slopes follow it; report slopes that do not."""
     spectrum = scenario.sea.spectrum
     if not isinstance(spectrum, SpectrumFile | MeasuredWaves):
         return {}
@@ -274,7 +274,7 @@ def _wave_file(scenario: Scenario) -> dict[str, str | int]:
     path = spectrum.path if isinstance(spectrum, SpectrumFile | WavenumberFile) else None
     if not used:
         name = spectrum.kind if path is None else path
-        _log.warning("the waves of %s are not used: slopes are the wind's (sea.slopes.kind = 'spectrum' takes the waves')", name)
+        _log.warning("slopes follow the wind, not the waves of %s (sea.slopes.kind = 'spectrum' follows the waves)", name)
     # The digest identifies the waves where the file moves or changes.
     source = {"measured_sea": spectrum.kind} if path is None else {"wave_file": str(path), "wave_file_sha256": digest(Path(path))}
     return {**source, "measured_waves_used": int(used)}
