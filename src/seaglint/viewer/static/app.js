@@ -4,7 +4,7 @@ import { Pane, camera, diverging, tableOf } from "./pane.js";
 import { TOOLS, choose, pointers } from "./pointers.js";
 import { bindRegions, forget, recourse, region } from "./regions.js";
 import { bindSide, files, follow, plots, probe, profile, retrace, threshold } from "./side.js";
-import { isGone, layerText, say, showing, state } from "./state.js";
+import { isGone, layerText, messages, say, showing, state } from "./state.js";
 import { $, Work, ask, bytes, digits, json, latest, rate as rateText, reading, short, takeInk, within } from "./tools.js";
 
 const DIFFERENCE = diverging();
@@ -70,9 +70,10 @@ async function show(frame) {
 
 const goTo = latest(async (frame) => {
   if (state.a === null || state.meta.a.first === null) return;
+  const before = messages();
   try {
     const refused = await show(Math.min(Math.max(frame, first()), last()));
-    if (!refused && !isGone()) say(null);
+    if (!refused && !isGone() && messages() === before) say(null);
   } catch (error) { say(error); pause(); }
   aside();
 });

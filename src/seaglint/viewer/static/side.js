@@ -1,6 +1,6 @@
 // The panels beside the picture and the plots under it: probe, pixel in time, profile, threshold, files to save.
 import { Plot } from "./plots.js";
-import { active, body, isGone, meta, region as chosen, say, showing, state } from "./state.js";
+import { active, body, isGone, messages, meta, region as chosen, say, showing, state } from "./state.js";
 import { $, INK, Work, after, bytes, digits, fill, json, latest, rate, reading, saved, short } from "./tools.js";
 
 export const plots = {};
@@ -142,7 +142,7 @@ function save(event) {
 
 /** Bind the panels; gives the function that counts pixels above the threshold again. */
 export function bindSide(redraw, goTo) {
-  const again = latest(async () => { try { await threshold(); if (!isGone()) say(null); } catch (error) { say(error); } redraw(); });
+  const again = latest(async () => { const before = messages(); try { await threshold(); if (!isGone() && messages() === before) say(null); } catch (error) { say(error); } redraw(); });
   const above = (sigma) => {
     $("threshold").value = sigma;
     $("threshold-value").textContent = `${Number($("threshold").value).toFixed(2)} σ`;

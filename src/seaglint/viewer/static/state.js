@@ -59,6 +59,7 @@ export function layerText() {
 }
 
 let shownGone = false;
+let said = 0;
 
 /** Say what is wrong, or nothing. */
 export function say(error) {
@@ -66,8 +67,12 @@ export function say(error) {
   if (!error) { box.hidden = true; shownGone = false; return; }
   if (error.name === "AbortError") return;
   shownGone = shownGone || Boolean(error.gone);
+  said += 1;
   box.textContent = error.message || String(error);
   box.hidden = false;
 }
 
 export const isGone = () => shownGone;
+
+/** Number of messages so far: work that succeeds takes away older ones, none that came while it ran. */
+export const messages = () => said;
