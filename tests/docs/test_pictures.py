@@ -9,7 +9,6 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-import dark_pages
 import makers
 import pictures
 import tables
@@ -17,6 +16,11 @@ import tables
 ROOT = Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "docs" / "images"
 RASTERS = sorted(path for path in IMAGES.rglob("*") if path.suffix in (".png", ".jpg"))
+
+
+@pytest.fixture
+def dark_pages():
+    return pytest.importorskip("dark_pages", reason="Sphinx is not installed")
 
 
 def ramp(seed: int, noise: float) -> Image.Image:
@@ -80,11 +84,11 @@ PANELS = {
 
 
 @pytest.mark.parametrize(("name", "count"), PANELS.items(), ids=PANELS)
-def test_imagery_and_colour_bars_are_found(name: str, count: int) -> None:
+def test_imagery_and_colour_bars_are_found(dark_pages, name: str, count: int) -> None:
     assert len(dark_pages.panels(IMAGES / name)) == count
 
 
-def test_panels_are_where_they_were_drawn(tmp_path: Path) -> None:
+def test_panels_are_where_they_were_drawn(dark_pages, tmp_path: Path) -> None:
     values = np.full((100, 200, 3), 255, np.uint8)
     values[20:60, 30:130] = 90  # imagery
     values[40, 130:136] = 0  # a tick
