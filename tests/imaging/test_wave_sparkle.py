@@ -10,8 +10,8 @@ import pytest
 import seaglint as sg
 from seaglint.base.errors import ScenarioError
 from seaglint.base.jit import njit
-from seaglint.imaging.sparkle import NO_CLUSTERS, Heading, clustered_factor, heading, kept_share, sparkle_of
-from seaglint.imaging.wave_sparkle import _of_pixels
+from seaglint.imaging.sparkle import NO_CLUSTERS, STEEPNESS_STEP, Heading, clustered_factor, heading, kept_share, sparkle_of
+from seaglint.imaging.wave_sparkle import FIELDS, _of_pixels
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.glitter.lit_share import Clusters
 from seaglint.sea.glitter.short_waves import ShortWaves
@@ -23,32 +23,33 @@ TIMES = 0.2
 
 def sparkle(shares, top, *, seed=1, times=TIMES):
     """Parameters of one stretch with fields of these variances, largest first."""
-    row = np.array([shares], np.float64)
-    table = NO_CLUSTERS._replace(begins=np.zeros(1), shares=row, times=np.full((1, row.size + 1), times), top=top)
+    rows = np.broadcast_to(np.array(shares, np.float64), (1, FIELDS, np.shape(shares)[-1])).copy()
+    table = NO_CLUSTERS._replace(begins=np.zeros(1), shares=rows, times=np.full((1, rows.shape[2] + 1), times), top=top)
     return sparkle_of(seed, 1.0, 1.0)._replace(clusters=table)
 
 
 @njit
-def fill_scattered(one, footprint, variance, time, out):
+def fill_scattered(one, footprint, variance, tabulated, time, out):
     for i in range(out.shape[0]):
-        out[i] = clustered_factor(one, (i * 73.713, i * 41.317), heading(i * 0.01), footprint, variance, 0, time)
+        out[i] = clustered_factor(one, (i * 73.713, i * 41.317), heading(i * 0.01), footprint, variance, tabulated, 0, time)
 
 
 @njit
-def fill_ground(one, way, footprint, variance, time, out):
+def fill_ground(one, way, footprint, variance, tabulated, time, out):
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
             x, y = (i + 0.5) * footprint[0], (j + 0.5) * footprint[1]
             place = (311.3 + x * way.sine + y * way.cosine, 1207.7 + x * way.cosine - y * way.sine)
-            out[i, j] = clustered_factor(one, place, way, footprint, variance, 0, time)
+            out[i, j] = clustered_factor(one, place, way, footprint, variance, tabulated, 0, time)
 
 
 @pytest.mark.parametrize("variance", [0.01, 0.5, 3.0])
 @pytest.mark.parametrize("footprint", [(0.1, 0.1), (5.0, 0.1), (0.3, 2.0), (30.0, 0.7), (8.0, 8.0)])
 @pytest.mark.parametrize("shares", [(), (0.3,), (0.1, 0.2, 0.4)])
-def test_mean_and_variance_of_pixels(variance: float, footprint: tuple[float, float], shares: tuple[float, ...]) -> None:
+@pytest.mark.parametrize("ratio", [0.3, 1.0, 4.0])
+def test_mean_and_variance_of_pixels(variance: float, footprint: tuple[float, float], shares: tuple[float, ...], ratio: float) -> None:
     out = np.empty(60_000)
-    fill_scattered(sparkle(shares, 2), footprint, variance, 0.4, out)
+    fill_scattered(sparkle(shares, 2), footprint, variance, (1.0, variance / ratio), 0.4, out)
     # four standard errors of a product of gamma deviates; a row of cells as one has half a cell's variance too much at its ends
     kurtosis = 3.0 + 12.0 * variance
     assert out.mean() == pytest.approx(1.0, abs=4.0 * math.sqrt(variance / out.size))
@@ -70,33 +71,34 @@ def test_kept_share(cells: float) -> None:
 def test_time(lag: float) -> None:
     one, then = np.empty(40_000), np.empty(40_000)
     for time, out in ((3.0, one), (3.0 + lag, then)):
-        fill_scattered(sparkle((0.2,), 2), (0.5, 0.5), 0.4, time, out)
+        fill_scattered(sparkle((0.2,), 2), (0.5, 0.5), 0.4, (0.0, 0.4), time, out)
     # of a product of fields with one time the correlation is less by the product of both
     expected = math.exp(-lag / TIMES)
     assert float(np.corrcoef(one, then)[0, 1]) == pytest.approx(expected, abs=0.04)
 
 
 @pytest.mark.parametrize("cut", [3.0, 12.0])
-@pytest.mark.parametrize("azimuth", [0.0, 0.7])
-def test_finer_pixels_averaged_down(cut: float, azimuth: float) -> None:
+@pytest.mark.parametrize(("azimuth", "steepness"), [(0.0, 1.0), (0.7, 1.0), (0.7, 0.0), (0.7, 1.5), (0.7, 2.5)])
+def test_finer_pixels_averaged_down(cut: float, azimuth: float, steepness: float) -> None:
     """Squares of ever more fine pixels have the variance of the closed form at their own size, over two decades of area."""
     clusters = Clusters(ShortWaves.of_spectrum(ElfouhailySpectrum(7.0), cut))
     fine, n = 0.35 / cut, 512
     top = math.floor(math.log2(2.0 * math.pi / cut))
     exponents = tuple(range(top, top - 8, -1))
     area, shares, times = _of_pixels(clusters, ((fine, fine), (fine, fine), (fine, fine)), SUN, exponents, fine)
-    variance = clusters.variance(1.0, SUN, (fine, fine))
-    # the table holds the same number: its steepness 1 is node 2
-    assert math.exp(area[0, :, 2].mean()) / fine**2 == pytest.approx(variance, rel=0.05)
+    variance, *steps = (clusters.variance(u, SUN, (fine, fine)) for u in (steepness, math.floor(steepness), math.floor(steepness) + 1.0))
+    step = math.floor(steepness) + (variance - steps[0]) / (steps[1] - steps[0])
+    # the table holds the same number
+    assert math.exp(area[0, :, round(steepness / STEEPNESS_STEP)].mean()) / fine**2 == pytest.approx(variance, rel=0.05)
     assert np.all(times > 0.0)
     ratios = {1: [], 2: [], 4: [], 8: [], 16: []}
     for seed in range(8):
         out = np.empty((n, n))
-        fill_ground(sparkle(tuple(shares), top, seed=seed), heading(azimuth), (fine, fine), variance, 0.4, out)
+        fill_ground(sparkle(shares, top, seed=seed), heading(azimuth), (fine, fine), variance, (step, variance), 0.4, out)
         for size, found in ratios.items():
             found.append(out.reshape(n // size, size, n // size, size).mean((1, 3)).var())
     for size, found in ratios.items():
-        expected = clusters.variance(1.0, SUN, (size * fine, size * fine))
+        expected = clusters.variance(steepness, SUN, (size * fine, size * fine))
         # beyond half a wave the closed form falls faster than one over the area, which no field of independent cells does
         if size * fine < math.pi / cut:
             assert np.mean(found) == pytest.approx(expected, rel=0.15), size
@@ -105,9 +107,9 @@ def test_finer_pixels_averaged_down(cut: float, azimuth: float) -> None:
 def test_a_pixel_is_a_function_of_seed_place_and_time() -> None:
     way = Heading(*heading(0.3))
     whole, again, other = (np.empty((20, 20)) for _ in range(3))
-    fill_ground(sparkle((0.2, 0.1), 1), way, (0.4, 0.4), 0.9, 1.0, whole)
-    fill_ground(sparkle((0.2, 0.1), 1), way, (0.4, 0.4), 0.9, 1.0, again)
-    fill_ground(sparkle((0.2, 0.1), 1, seed=2), way, (0.4, 0.4), 0.9, 1.0, other)
+    fill_ground(sparkle((0.2, 0.1), 1), way, (0.4, 0.4), 0.9, (1.5, 0.9), 1.0, whole)
+    fill_ground(sparkle((0.2, 0.1), 1), way, (0.4, 0.4), 0.9, (1.5, 0.9), 1.0, again)
+    fill_ground(sparkle((0.2, 0.1), 1, seed=2), way, (0.4, 0.4), 0.9, (1.5, 0.9), 1.0, other)
     np.testing.assert_array_equal(whole, again)
     assert np.all(whole != other)
 

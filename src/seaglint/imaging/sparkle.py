@@ -21,7 +21,8 @@ evaluated alone. No state is stored: a factor is a function of (seed, place, tim
 **From the waves.** With a ``ClusterTable`` the variance of a pixel is that of the waves that are no geometry
 (``seaglint.sea.glitter.lit_share``), by the steepness of its facets against the mirroring slope, and so is the time. A pixel smaller
 than these waves is the product of gamma fields on lattices of sides of powers of two, each with the variance that the waves have between
-its side and the next, and of one more that gives the pixel its variance; ``seaglint.imaging.wave_sparkle`` makes the table.
+its side and the next, and of one more that gives the pixel its variance; ``seaglint.imaging.wave_sparkle`` makes the table. Steeper facets
+have more variance, in squares of all sides: a pixel has the fields of the steepness at which facets would have its variance.
 """
 
 from __future__ import annotations
@@ -60,14 +61,19 @@ FILLED = 0.7  #: Largest share of a standing cell in the pixel's width in either
 
 STEEPNESS_STEP = 0.5  #: Step of the facets' steepness in a ``ClusterTable``, in their standard deviations [1].
 
+FIELD_STEPS = 2  #: Number of these steps between fields of cells.
+
+SLIGHT = 1e-3  #: Share of a pixel's variance below which a field of cells is omitted [1].
+
 
 class ClusterTable(NamedTuple):
     """Fluctuation of the mirrored Sun from the waves that are no geometry.
 
     By stretches of the sea in which the same waves are geometry. ``begins``: their first arcs [m, (n,)]. ``nodes[l] = (log of the first
     arc, nodes per log)``. ``area[l, node, way, u]``: log of the variance of a pixel's lit share times its area on the sea [m2], with its
-    length along (way 0) and across (1) the wind, at a steepness ``u STEEPNESS_STEP`` of the facets. ``shares[l, j]``: variance of the cells
-    of side ``2**(top - j)`` m [1], 0 where they are smaller than pixels. ``times[l, j]``: their correlation time, and last the pixel's [s].
+    length along (way 0) and across (1) the wind, at a steepness ``u STEEPNESS_STEP`` of the facets. ``shares[l, u, j]``: variance of the
+    cells of side ``2**(top - j)`` m, 0 where they are smaller than pixels, at a steepness ``u FIELD_STEPS STEEPNESS_STEP`` [1].
+    ``times[l, j]``: their correlation time, and last the pixel's [s].
     ``reach``: length of waves over 2 pi of each level [m]. ``wind``: azimuth of the waves [rad]; ``disc``: a quarter of the squared radius
     of the Sun in slopes [1].
     """
@@ -85,7 +91,7 @@ class ClusterTable(NamedTuple):
 
 #: Table of images whose sea has cells of one length.
 NO_CLUSTERS = ClusterTable(
-    np.empty(0), np.empty((0, 2)), np.empty((0, 0, 2, 0)), np.empty((0, 0)), np.empty((0, 0)), np.empty(0), 0, 0.0, 0.0
+    np.empty(0), np.empty((0, 2)), np.empty((0, 0, 2, 0)), np.empty((0, 0, 0)), np.empty((0, 0)), np.empty(0), 0, 0.0, 0.0
 )
 
 
@@ -319,8 +325,8 @@ def cluster_level(table: ClusterTable, arc: float) -> int:
 
 
 @kernel
-def cluster_area(table: ClusterTable, level: int, arc: float, steepness: float, along: float) -> float:
-    """Return the variance of a pixel's lit share times its area on the sea [m2].
+def cluster_log_area(table: ClusterTable, level: int, arc: float, steepness: float, along: float) -> float:
+    """Return the logarithm of the variance of a pixel's lit share times its area on the sea [m2].
 
     ``steepness``: distance of the mirroring slope from the facet's, in its deviations. ``along``: squared cosine of the angle between the
     line of sight and the wind.
@@ -335,7 +341,23 @@ def cluster_area(table: ClusterTable, level: int, arc: float, steepness: float, 
         near = area[i, way, j] + (u - j) * (area[i, way, j + 1] - area[i, way, j])
         far = area[i + 1, way, j] + (u - j) * (area[i + 1, way, j + 1] - area[i + 1, way, j])
         total += (along if way == 0 else 1.0 - along) * (near + (x - i) * (far - near))
-    return math.exp(total)
+    return total
+
+
+@kernel
+def cluster_fields(table: ClusterTable, level: int, arc: float, area: float, along: float) -> tuple[float, float]:
+    """Return the place of a pixel among the steps of the fields, and its variance times its area on the sea there [m2].
+
+    ``area``: variance times area of the pixel [m2], equal to what is returned within the steps of the table. Between two steps the place
+    is linear in the variance, as the variances of fields are.
+    """
+    lower = 0.0
+    for step in range(table.shares.shape[1]):
+        upper = math.exp(cluster_log_area(table, level, arc, step * FIELD_STEPS * STEEPNESS_STEP, along))
+        if area < upper:
+            return (0.0, upper) if step == 0 else (step - 1 + (area - lower) / (upper - lower), area)
+        lower = upper
+    return table.shares.shape[1] - 1.0, lower
 
 
 @kernel
@@ -358,7 +380,7 @@ def clustered_spread(
     squared = max((nn * east * east - 2.0 * en * east * north + ee * north * north) / area, 0.0)
     along = sight.east * math.sin(table.wind) + sight.north * math.cos(table.wind)
     density = math.exp(-0.5 * squared) / (2.0 * math.pi * math.sqrt(area))
-    return cluster_area(table, cluster_level(table, arc), arc, math.sqrt(squared), along * along), density
+    return math.exp(cluster_log_area(table, cluster_level(table, arc), arc, math.sqrt(squared), along * along)), density
 
 
 @kernel
@@ -411,13 +433,16 @@ def clustered_factor(
     along_sight: Heading,
     footprint: tuple[float, float],
     variance: float,
+    tabulated: tuple[float, float],
     level: int,
     time: float,
 ) -> float:
     """Return a factor of mean 1 for the mirrored Sun of a pixel, of a relative variance [1]; arguments as of ``sparkle_factor``.
 
+    ``tabulated``: the pixel's place among the steps of the fields, and its relative variance there: the same within the table's steps.
     Fields of cells larger than the pixel, which it shares with its neighbours, are multiplied; one of its own adds what is left of the
-    variance: ``1 + v = prod_j (1 + v_j) (1 + v_own)``.
+    variance: ``1 + v = prod_j (1 + v_j) (1 + v_own)``. Between two steps and beyond the table the product of the first fields, less 1, is
+    linear in the variance.
     """
     if not variance > 0.0:
         return 1.0
@@ -425,16 +450,23 @@ def clustered_factor(
     x = place[0] * along_sight.sine + place[1] * along_sight.cosine
     y = place[0] * along_sight.cosine - place[1] * along_sight.sine
     length, width = footprint
-    last = table.shares.shape[1]
-    factor, second = 1.0, 1.0
+    last = table.shares.shape[2]
+    ratio = variance / tabulated[1]
+    lower = min(int(tabulated[0]), table.shares.shape[1] - 2)
+    shares, upper = table.shares[level], tabulated[0] - lower
+    factor, before, below, above = 1.0, 0.0, 1.0, 1.0
     for j in range(last):
-        share, side = table.shares[level, j], 2.0 ** (table.top - j)
-        if share <= 0.0 or side <= width:
+        side = 2.0 ** (table.top - j)
+        if side <= width:
             continue
         kept = kept_share(length, side) * kept_share(width, side)
+        new_below, new_above = below * (1.0 + shares[lower, j] * kept), above * (1.0 + shares[lower + 1, j] * kept)
+        after = ratio * ((1.0 - upper) * new_below + upper * new_above - 1.0)
+        added = (1.0 + after) / (1.0 + before) - 1.0
         # no more than the pixel's own variance: a pixel seen at a grazing angle may have less than a square one
-        if second * (1.0 + share * kept) > 1.0 + variance:
+        if added <= SLIGHT * variance or after > variance:
             continue
+        share, before, below, above = added / kept, after, new_below, new_above
         clock = Sparkle(sparkle.seed_low, sparkle.seed_high, side, table.times[level, j])
         lattice = ((along_sight.sector * 256 + table.top - j + 128) * 256 + table.top - j + 128) * 4 + 2
         if length > MOST_CELLS * side:
@@ -444,8 +476,7 @@ def clustered_factor(
         else:
             along, shape = box(x, length, side), 1.0 / share
         factor *= average(clock, lattice, along, box(y, width, side), shape, time)
-        second *= 1.0 + share * kept
-    own = (1.0 + variance) / second - 1.0
+    own = (1.0 + variance) / (1.0 + before) - 1.0
     if own <= 1e-9:
         return factor
     doublings_along, side_along = power_below(FILLED * length)
@@ -483,7 +514,10 @@ def sparkle_column(
             relative = variance / (solar * solar)
             if sparkle.clusters.begins.shape[0] > 0:
                 level = cluster_level(sparkle.clusters, rows.range_m[row])
-                factor = clustered_factor(sparkle, place, along_sight, footprint, relative, level, time)
+                downwind = east * math.sin(sparkle.clusters.wind) + north * math.cos(sparkle.clusters.wind)
+                area = footprint[0] * footprint[1]
+                step, there = cluster_fields(sparkle.clusters, level, rows.range_m[row], relative * area, downwind * downwind)
+                factor = clustered_factor(sparkle, place, along_sight, footprint, relative, (step, there / area), level, time)
                 least = INDEPENDENT * sparkle.clusters.reach[level]
                 many = footprint[0] > least and footprint[1] > least
             else:

@@ -25,16 +25,18 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sunlight import visible_sun
 from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.scene import Levels
-from seaglint.imaging.sparkle import STEEPNESS_STEP, ClusterTable, sparkle_rows
+from seaglint.imaging.sparkle import FIELD_STEPS, STEEPNESS_STEP, ClusterTable, sparkle_rows
 from seaglint.radiance.lit_variance import WaveGlint
 from seaglint.sea.glitter.lit_share import Clusters, disc_in_slopes
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 STEPS: Final = 13  #: Number of steps of the facets' steepness: up to 6 deviations.
 
-ARCS: Final = 9  #: Number of arcs of a level at which pixels are computed; logarithms are linear in between.
+FIELDS: Final = 5  #: Number of steps of the steepness at which fields of cells are fitted.
 
-TYPICAL: Final = 1.0  #: Steepness of the facets that mirror the Sun, in deviations: their mean square towards a Sun in the mirror's middle.
+TYPICAL: Final = 1.0  #: Steepness of the facets that times are of, in deviations: the mean square towards a Sun in the mirror's middle.
+
+ARCS: Final = 9  #: Number of arcs of a level at which pixels are computed; logarithms are linear in between.
 
 LEAST: Final = 1e-12  #: Least correlated area [m2].
 
@@ -119,7 +121,7 @@ def _disc(view: SeaView, camera: Camera, arc: float) -> float:
 def _of_pixels(
     clusters: Clusters, boxes: tuple[tuple[float, float], ...], radius: float, exponents: tuple[int, ...], width: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Logarithms of the correlated areas (arcs, ways, steepness), variances of fields by side, and their times with the pixel's."""
+    """Logarithms of correlated areas (arcs, ways, steepness), variances of fields (steepness, sides), times of the fields and of pixels."""
     area = np.empty((len(boxes), 2, STEPS))
     for i, box in enumerate(boxes):
         for way, turn in enumerate((0.0, 0.5 * math.pi)):
@@ -128,11 +130,13 @@ def _of_pixels(
                 area[i, way, u] = math.log(max(variance * box[0] * box[1], LEAST))
     sides, longest = 2.0 ** np.array(exponents, np.float64), 2.0 * math.pi / float(clusters.waves.wavenumber[0])
     used = np.flatnonzero((sides <= longest) & (sides > width))
-    shares, times = np.zeros(sides.size), np.ones(sides.size + 1)
+    shares, times = np.zeros((FIELDS, sides.size)), np.ones(sides.size + 1)
     if used.size:
         boxes_of = np.append(sides[used], width)
-        targets = np.array([clusters.variance(TYPICAL, radius, (side, side)) for side in boxes_of])
-        shares[used] = fields(sides[used], width, targets)
+        for u in range(FIELDS):
+            steepness = u * FIELD_STEPS * STEEPNESS_STEP
+            targets = np.array([clusters.variance(steepness, radius, (side, side)) for side in boxes_of])
+            shares[u, used] = fields(sides[used], width, targets)
         for j in used:
             times[j] = clusters.correlation_time(TYPICAL, radius, (float(sides[j]), float(sides[j])))
     times[-1] = clusters.correlation_time(TYPICAL, radius, boxes[len(boxes) // 2])
@@ -174,6 +178,6 @@ def fields(sides: FloatArray, width: float, targets: FloatArray) -> FloatArray:
         # squares larger than the waves have less variance than any field of independent cells: they count less
         return np.asarray((variances(np.exp(logs)) - targets) / (targets + SLIGHT * targets[-1]))
 
-    start = np.log(np.clip(np.diff(targets), 1e-4, 0.9))
-    result = least_squares(misfit, start, bounds=(math.log(1e-6), math.log(10.0)), xtol=1e-3, ftol=1e-3, max_nfev=40)
+    start = np.log(np.clip((1.0 + targets[1:]) / (1.0 + targets[:-1]) - 1.0, 1e-4, 9.0))
+    result = least_squares(misfit, start, bounds=(math.log(1e-6), math.log(100.0)), xtol=1e-3, ftol=1e-3, max_nfev=40)
     return np.asarray(np.exp(result.x))
