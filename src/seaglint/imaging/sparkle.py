@@ -516,8 +516,8 @@ def sparkle_column(
                 level = cluster_level(sparkle.clusters, rows.range_m[row])
                 downwind = east * math.sin(sparkle.clusters.wind) + north * math.cos(sparkle.clusters.wind)
                 area = footprint[0] * footprint[1]
-                step, there = cluster_fields(sparkle.clusters, level, rows.range_m[row], relative * area, downwind * downwind)
-                factor = clustered_factor(sparkle, place, along_sight, footprint, relative, (step, there / area), level, time)
+                step, tabulated = cluster_fields(sparkle.clusters, level, rows.range_m[row], relative * area, downwind * downwind)
+                factor = clustered_factor(sparkle, place, along_sight, footprint, relative, (step, tabulated / area), level, time)
                 least = INDEPENDENT * sparkle.clusters.reach[level]
                 many = footprint[0] > least and footprint[1] > least
             else:
