@@ -44,9 +44,9 @@ def test_variance_falls_with_range_as_the_model_of_the_mean_says(correlation, to
     print("variance / model: " + ", ".join(f"{r:.3f}" for r in ratio))
     print("deviation / mean: " + ", ".join(f"{s:.4f}" for s in standard))
     assert ratio == pytest.approx(np.ones(8), abs=tolerance)
-    # rows run from the horizon down; cells of the waves that are larger than pixels keep their place, which scatters rows by some per cent
-    falls = variance if correlation == "time" else expected
-    assert np.all(np.diff([falls[p].mean() for p in parts]) > 0.0)
+    # rows run from the horizon down; by the waves the model itself has its largest variance at 2.7 deg, and large cells scatter the rows
+    last = len(parts) if correlation == "time" else 5
+    assert np.all(np.diff([variance[p].mean() for p in parts[:last]]) > 0.0)
 
 
 @pytest.mark.validation
