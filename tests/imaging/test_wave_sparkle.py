@@ -10,7 +10,7 @@ import pytest
 import seaglint as sg
 from seaglint.base.errors import ScenarioError
 from seaglint.base.jit import njit
-from seaglint.imaging.sparkle import NO_CLUSTERS, STEEPNESS_STEP, Heading, clustered_factor, heading, kept_share, sparkle_of
+from seaglint.imaging.sparkle import NO_CLUSTERS, STEEPNESS_STEP, Heading, cluster_fields, clustered_factor, heading, kept_share, sparkle_of
 from seaglint.imaging.wave_sparkle import FIELDS, _of_pixels
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.glitter.lit_share import Clusters
@@ -102,6 +102,39 @@ def test_finer_pixels_averaged_down(cut: float, azimuth: float, steepness: float
         # beyond half a wave the closed form falls faster than one over the area, which no field of independent cells does
         if size * fine < math.pi / cut:
             assert np.mean(found) == pytest.approx(expected, rel=0.15), size
+
+
+def test_place_of_a_pixel_among_the_steps_of_the_fields() -> None:
+    """A table in which steepness u has the variance times area ``2 exp(u^2)``, at all arcs and in all directions."""
+    steepness = STEEPNESS_STEP * np.arange(13)
+    area = np.broadcast_to(math.log(2.0) + steepness**2, (1, 3, 2, 13)).copy()
+    table = NO_CLUSTERS._replace(begins=np.zeros(1), nodes=np.array([[0.0, 1.0]]), area=area, shares=np.zeros((1, FIELDS, 1)))
+
+    def steps(value: float) -> tuple[float, float]:
+        return cluster_fields(table, 0, 10.0, value, 0.3)
+
+    at = [2.0 * math.exp(u**2) for u in range(FIELDS)]
+    for u in range(FIELDS - 1):
+        assert steps(1.000001 * at[u]) == pytest.approx((u, at[u]), abs=1e-4, rel=1e-4)
+        middle = 0.5 * (at[u] + at[u + 1])
+        assert steps(middle) == pytest.approx((u + 0.5, middle))
+    assert steps(0.1) == pytest.approx((0.0, at[0]))
+    assert steps(10.0 * at[-1]) == pytest.approx((FIELDS - 1.0, at[-1]))
+
+
+@pytest.mark.parametrize("ratio", [0.25, 3.0])
+def test_beyond_the_steps_shared_fields_change_with_the_variance(ratio: float) -> None:
+    """Averaged over 4 x 4 pixels, of a sixteenth of their own variance and all of what they share with their neighbours."""
+    shares, variance, footprint, n = (0.04, 0.03), 0.2, (0.1, 0.1), 512
+    found = []
+    for one in (1.0, ratio):
+        whole = []
+        for seed in range(12):
+            out = np.empty((n, n))
+            fill_ground(sparkle(shares, 1, seed=seed), heading(0.0), footprint, one * variance, (2.0, variance), 0.4, out)
+            whole.append(out.reshape(n // 4, 4, n // 4, 4).mean((1, 3)).var())
+        found.append(np.mean(whole))
+    assert found[1] / found[0] == pytest.approx(ratio, rel=0.1)
 
 
 def test_a_pixel_is_a_function_of_seed_place_and_time() -> None:
