@@ -9,13 +9,17 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-import makers
 import pictures
 import tables
 
 ROOT = Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "docs" / "images"
 RASTERS = sorted(path for path in IMAGES.rglob("*") if path.suffix in (".png", ".jpg"))
+
+
+@pytest.fixture
+def makers():
+    return pytest.importorskip("makers", reason="Sphinx is not installed")
 
 
 @pytest.fixture
@@ -57,14 +61,14 @@ def test_each_picture_is_as_small_as_its_writer_makes_it(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", sorted(path for path in IMAGES.rglob("*") if path.is_file()), ids=lambda path: path.name)
-def test_each_picture_has_a_maker_that_exists(path: Path) -> None:
+def test_each_picture_has_a_maker_that_exists(makers, path: Path) -> None:
     command = makers.shown(makers.makers()[path], path)
     assert all((tables.ROOT / word).is_file() for word in command.split() if word.endswith(".py"))
     assert makers.scripts(command) or command.startswith("seaglint ")
     assert "$" not in command
 
 
-def test_a_command_of_several_pictures_names_the_one_shown() -> None:
+def test_a_command_of_several_pictures_names_the_one_shown(makers) -> None:
     path = IMAGES / "clutter_rates.png"
     assert makers.shown(makers.makers()[path], path) == "python docs/figures/make_figures.py clutter_rates"
     path = IMAGES / "fig5.png"
