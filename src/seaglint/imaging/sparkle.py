@@ -63,7 +63,7 @@ STEEPNESS_STEP = 0.5  #: Step of the facets' steepness in a ``ClusterTable``, in
 
 FIELD_STEPS = 2  #: Number of these steps between fields of cells.
 
-SLIGHT = 1e-3  #: Share of a pixel's variance below which a field of cells is omitted [1].
+NO_FIELD = 1e-3  #: Share of a pixel's variance below which a field of cells is omitted [1].
 
 
 class ClusterTable(NamedTuple):
@@ -175,6 +175,13 @@ def heading(azimuth: float) -> Heading:
 
 
 @kernel
+def lattice_number(along_sight: Heading, doublings_along: int, doublings_across: int) -> int:
+    """Return the first of four numbers of lattices with cells of these powers of two: each lattice has its own random numbers."""
+    # offset to be positive
+    return ((along_sight.sector * 256 + doublings_along + 128) * 256 + doublings_across + 128) * 4
+
+
+@kernel
 def cell_light(sparkle: Sparkle, i: int, j: int, lattice: int, shape: float, time: float) -> float:
     """Return the gamma deviate of mean 1 of a cell since its last change."""
     key = cell_key((sparkle.seed_low, sparkle.seed_high), i, j, lattice)
@@ -283,8 +290,7 @@ def sparkle_factor(
         doublings_along, power = power_below(FILLED * length / cell)
     else:
         doublings_along, power = power_below(stretch)
-    # one number for sector, both doublings (offset to be positive) and the part: each lattice has its own random numbers
-    lattice = ((along_sight.sector * 256 + doublings_along + 128) * 256 + doublings_across + 128) * 4
+    lattice = lattice_number(along_sight, doublings_along, doublings_across)
     side_along = cell * power
     across = box(y, 0.0 if many_across else width, side_across)
     if many_along:
@@ -464,11 +470,11 @@ def clustered_factor(
         after = ratio * ((1.0 - upper) * new_below + upper * new_above - 1.0)
         added = (1.0 + after) / (1.0 + before) - 1.0
         # no more than the pixel's own variance: a pixel seen at a grazing angle may have less than a square one
-        if added <= SLIGHT * variance or after > variance:
+        if added <= NO_FIELD * variance or after > variance:
             continue
         share, before, below, above = added / kept, after, new_below, new_above
         clock = Sparkle(sparkle.seed_low, sparkle.seed_high, side, table.times[level, j])
-        lattice = ((along_sight.sector * 256 + table.top - j + 128) * 256 + table.top - j + 128) * 4 + 2
+        lattice = lattice_number(along_sight, table.top - j, table.top - j) + COMPONENTS
         if length > MOST_CELLS * side:
             # one cell as long as the pixel, with the shape of their sum
             side_along = 2.0 ** power_below(FILLED * length)[0]
@@ -482,7 +488,7 @@ def clustered_factor(
     doublings_along, side_along = power_below(FILLED * length)
     doublings_across, side_across = power_below(FILLED * width)
     clock = Sparkle(sparkle.seed_low, sparkle.seed_high, 1.0, table.times[level, last])
-    lattice = ((along_sight.sector * 256 + doublings_along + 128) * 256 + doublings_across + 128) * 4
+    lattice = lattice_number(along_sight, doublings_along, doublings_across)
     return factor * standing(clock, lattice, (x, y), (side_along, side_across), 1.0 / own, time)
 
 

@@ -34,7 +34,7 @@ STEPS: Final = 13  #: Number of steps of the facets' steepness: up to 6 deviatio
 
 FIELDS: Final = 5  #: Number of steps of the steepness at which fields of cells are fitted.
 
-TYPICAL: Final = 1.0  #: Steepness of the facets that times are of, in deviations: the mean square towards a Sun in the mirror's middle.
+TYPICAL: Final = 1.0  #: Steepness of the facets for which times are computed, in deviations: their mean square near the mirrored Sun.
 
 ARCS: Final = 9  #: Number of arcs of a level at which pixels are computed; logarithms are linear in between.
 
