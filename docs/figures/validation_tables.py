@@ -417,7 +417,10 @@ def _measured_cell(row: MeasuredRow) -> str:
     """Ours, its difference in the units there are, and the rms."""
     parts = [_digits(row.ours, row.unit)]
     parts += [] if row.difference_k is None else [f"{row.difference_k:+.2f} K"]
-    parts += [f"{row.ours - row.measured:+.1f} deg"] if row.unit == "deg" else [f"{row.difference_percent:+.1f} %"]
+    if row.unit == "deg":
+        parts += [f"{row.ours - row.measured:+.1f} deg"]
+    elif not math.isnan(row.difference_percent):  # A skewness near zero has no ratio.
+        parts += [f"{row.difference_percent:+.1f} %"]
     parts += [] if row.rms is None else [f"{row.rms:.2f} K" if row.unit == "K" else f"{row.rms:.3f}"]
     return ", ".join(parts)
 
