@@ -122,6 +122,8 @@ def test_netcdf_says_the_same(table, csv_file, tmp_path):
         (lambda d: d.assign_attrs(sensor_height_m="x"), "has no attribute sensor_height_m"),
         (lambda d: d.assign_coords(range_m=-d.range_m), "range_m needs at least 2 different values within 0"),
         (lambda d: d.assign(path_transmittance=d.path_transmittance * 1.5), "path_transmittance has values outside .* 0 to 1"),
+        (lambda d: d.assign_coords(sun_zenith_deg=[1e-300 if z == ZENITH[1] else z for z in ZENITH]), "sun zenith.* all different"),
+        (lambda d: d.assign_coords(sky_zenith_deg=[1e-300 if z == ZENITH[1] else z for z in ZENITH]), "sky elevation.* all different"),
         (lambda d: d.drop_vars("wavenumber_cm"), "needs the coordinate wavenumber_cm"),
         (lambda d: d.assign_attrs(sensor_height_m=5.0), "holds paths to 5 m, none to sensor.height_m = 30"),
     ],

@@ -404,5 +404,6 @@ def _solar_source(nu: FloatArray, sun: SunSamples) -> FloatArray:
 
 def _ascending(what: str, nodes: FloatArray, least: int) -> None:
     values = np.asarray(nodes)
-    if values.size < least or not np.all(np.isfinite(values)) or not np.all(np.diff(values) > 0.0):
+    # Nodes that differ by rounding alone are one node in the coordinates of the splines.
+    if values.size < least or not np.all(np.isfinite(values)) or not np.all(np.diff(values) > 1e-12 * np.max(np.abs(values))):
         raise DataError(f"{what}: {values.size} nodes; at least {least} are needed, ascending and all different")
